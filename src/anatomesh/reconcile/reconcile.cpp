@@ -16,8 +16,8 @@
 #include "anatomesh/contour/walls/slivers.h"
 #include "anatomesh/reconcile/compare/contradictions.h"
 #include "anatomesh/reconcile/compare/disagreement.h"
+#include "anatomesh/reconcile/compare/isolated_slices.h"
 #include "anatomesh/reconcile/compare/reconcile_warnings.h"
-#include "anatomesh/reconcile/compare/stray_slices.h"
 #include "anatomesh/reconcile/move/align_slices.h"
 #include "anatomesh/reconcile/move/common_lines.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
@@ -25,15 +25,15 @@
 #include "anatomesh/reconcile/move/lay_out_points.h"
 #include "anatomesh/reconcile/move/movement.h"
 #include "anatomesh/reconcile/move/shared_points.h"
+#include "anatomesh/reconcile/move/snap_planes_to_axis.h"
 #include "anatomesh/reconcile/move/split_at_ends.h"
-#include "anatomesh/reconcile/move/true_planes.h"
+#include "anatomesh/reconcile/regularize/enforce_clearance.h"
 #include "anatomesh/reconcile/regularize/flatten_folds.h"
-#include "anatomesh/reconcile/regularize/keep_apart.h"
-#include "anatomesh/reconcile/regularize/settle_flanks.h"
-#include "anatomesh/reconcile/regularize/settle_poles.h"
+#include "anatomesh/reconcile/regularize/regularize_along_axis.h"
+#include "anatomesh/reconcile/regularize/regularize_fans.h"
 #include "anatomesh/reconcile/resolve/facing_stretch.h"
 #include "anatomesh/reconcile/resolve/line_votes.h"
-#include "anatomesh/reconcile/resolve/settle_pieces.h"
+#include "anatomesh/reconcile/resolve/resolve_conflicting_intervals.h"
 #include "anatomesh/slices/coverage/undrawn_structures.h"
 #include "anatomesh/slices/lines/arc.h"
 #include "anatomesh/slices/lines/line_ends.h"
@@ -72,7 +72,7 @@ class Reconciler {
         measure_extents();
         if (context_.cancelled()) return cancelled_error();
         if (pairs_.empty()) {
-            warn_of_reconciling(set_, options_, stats_, undrawn_, strays_, context_);
+            warn_of_reconciling(set_, options_, stats_, undrawn_, isolated_, context_);
             return finish();
         }
         if (options_.align) {
@@ -81,7 +81,7 @@ class Reconciler {
         drawn_ = drawn_places(set_);
         if (options_.reconcile) {
             lead_along_lines();
-            make_planes_true(set_);
+            snap_planes_to_axis(set_);
         }
         compare();
         stats_.pairs = disagreements(comparisons_);
@@ -92,7 +92,7 @@ class Reconciler {
         }
         if (context_.cancelled()) return cancelled_error();
         note_difference_after();
-        warn_of_reconciling(set_, options_, stats_, undrawn_, strays_, context_);
+        warn_of_reconciling(set_, options_, stats_, undrawn_, isolated_, context_);
         return finish();
     }
 
@@ -106,7 +106,7 @@ class Reconciler {
         // Of what a slice leaves undrawn it says nothing, however the others come to lie.
         comparisons_ = compare_planes(set_, patches_, pairs_, margin_, context_);
         undrawn_ = find_undrawn_structures(set_, comparisons_, margin_);
-        strays_ = find_stray_slices(set_, patches_, comparisons_, context_);
+        isolated_ = find_isolated_slices(set_, patches_, comparisons_, context_);
     }
 
     void lead_along_lines() {
@@ -216,15 +216,15 @@ class Reconciler {
         }
         if (context_.cancelled()) return cancelled_error();
         ANATOMESH_CHECK_STATUS(check_what_is_left(set_, drawn_, comparisons_, options_));
-        settle_what_is_left();
-        settle();
+        resolve_what_is_left();
+        regularize();
         part();
         unite_walls();
         return Nothing{};
     }
 
     // What movement could not bring together.
-    void settle_what_is_left() {
+    void resolve_what_is_left() {
         if (left_mm() <= line_in_plane_mm) return;
         const auto compare_set = [&](const ContourSet& set) {
             std::vector<LineComparison> comparisons =
@@ -232,10 +232,11 @@ class Reconciler {
             leave_out_undrawn(comparisons);
             return comparisons;
         };
-        const SettlePiecesOptions options{clearance_mm_, options_.max_disagreement_mm,
-                                          parted_share * mean_vertex_spacing(set_)};
-        stats_.settled = settle_pieces(set_, drawn_, comparisons_, compare_set, options, context_);
-        if (stats_.settled.empty()) return;
+        const ConflictingIntervalOptions options{clearance_mm_, options_.max_disagreement_mm,
+                                                 parted_share * mean_vertex_spacing(set_)};
+        stats_.resolved =
+            resolve_conflicting_intervals(set_, drawn_, comparisons_, compare_set, options, context_);
+        if (stats_.resolved.empty()) return;
         compare();
         share_again(state(), left_mm());
     }
@@ -274,13 +275,13 @@ class Reconciler {
     // between, but for what is left of the movement.
     void unite_walls() {
         if (stats_.max_movement_mm == 0 || set_.structures.size() < 2) return;
-        LedStats slivers;
+        ConflationStats slivers;
         const bool closed = lead([&] {
             slivers = close_slivers(set_, {.width_mm = options_.close_slivers_mm});
             return slivers.contours_changed;
         });
         if (closed) stats_.slivers = slivers;
-        LedStats shared;
+        ConflationStats shared;
         const bool led = lead([&] {
             shared = share_lines(set_, {.width_mm = options_.same_line_mm});
             return shared.contours_changed;
@@ -307,28 +308,28 @@ class Reconciler {
     }
 
     // Where the drawings agree a sharp edge is one, and stays; so it does where slices would agree less.
-    void settle() {
-        const PoleOptions options{pole_radius_share * mean_vertex_spacing(set_), sharp_pole_degrees,
-                                  options_.max_disagreement_mm};
+    void regularize() {
+        const FanOptions options{pole_radius_share * mean_vertex_spacing(set_), sharp_pole_degrees,
+                                 options_.max_disagreement_mm};
         if (stats_.max_movement_mm < least_moved_share * options.radius_mm) return;
         const State before = state();
         const double left = left_mm();
-        stats_.poles = settle_poles(set_, drawn_, options);
+        stats_.poles = regularize_fans(set_, drawn_, options);
         if (stats_.poles.poles > 0) {
             note_movements();
             compare();
             if (left_mm() > left) go_back_to(before);
         }
-        settle_beside({options.radius_mm, options.least_degrees, options.most_moved_mm});
+        regularize_along({options.radius_mm, options.least_degrees, options.most_moved_mm});
     }
 
     // Contours that run along lines beside which many planes come near to each other.
-    void settle_beside(const FlankOptions& options) {
+    void regularize_along(const AlongAxisOptions& options) {
         const State before = state();
         const double left = left_mm();
-        FlankBounds most_mm;
+        AlongAxisBounds most_mm;
         for (const SliceMovement& movement : stats_.movements) most_mm.push_back(movement.max_mm);
-        stats_.flanks = settle_flanks(set_, drawn_, most_mm, options);
+        stats_.flanks = regularize_along_axis(set_, drawn_, most_mm, options);
         if (stats_.flanks.points > 0) share_again(before, left);
     }
 
@@ -336,8 +337,8 @@ class Reconciler {
     void part() {
         const State before = state();
         const double left = left_mm();
-        stats_.kept_apart = keep_apart(set_, drawn_, apart_share * clearance_mm_);
-        if (stats_.kept_apart.places > 0) share_again(before, left);
+        stats_.clearance = enforce_clearance(set_, drawn_, apart_share * clearance_mm_);
+        if (stats_.clearance.places > 0) share_again(before, left);
     }
 
     // What a step changes, to be taken back where it does not help.
@@ -772,7 +773,7 @@ class Reconciler {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
     std::vector<LineComparison> comparisons_;
     std::vector<UndrawnStructure> undrawn_;
-    std::vector<StraySlice> strays_;
+    std::vector<IsolatedSlice> isolated_;
     ContourGraph graph_;
     std::vector<MovementNode> nodes_;
     std::vector<MovementEdge> edges_;

@@ -22,10 +22,11 @@ struct ReconcileResult {
 // repeated, as long as they differ by a fifth less, with vertices at just those ends; and once more for what
 // a slice lacks altogether though most of those through the line have it: the stretch of its contour nearest
 // to it is taken over the line (facing_stretch.h), if none of that has to move further than the bound. What
-// is left after that is settled by a small change of one of the two slices (settle_pieces.h). Where four
-// planes or more share a line, contours that rise and fall in turn beside it are turned (settle_poles.h).
-// Slivers that are left between structures are closed, and what came to lie on one line shares it. Of a
-// structure that a slice leaves undrawn where others show it the slice says nothing (undrawn_structures.h).
+// is left after that is settled by a small change of one of the two slices (resolve_conflicting_intervals.h).
+// Where four planes or more share a line, contours that rise and fall in turn beside it are turned
+// (regularize_fans.h). Slivers that are left between structures are closed, and what came to lie on one line
+// shares it. Of a structure that a slice leaves undrawn where others show it the slice says nothing
+// (undrawn_structures.h).
 //
 // Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on

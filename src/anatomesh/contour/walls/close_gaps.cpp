@@ -8,16 +8,16 @@
 #include <vector>
 
 #include "anatomesh/contour/overlay/segment_index.h"
-#include "anatomesh/contour/walls/led_contours.h"
+#include "anatomesh/contour/walls/conflated_contours.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
 namespace {
 
-class SliceGaps : public LedContours {
+class SliceGaps : public ConflatedContours {
   public:
     SliceGaps(const ContourSet& set, const Slice& slice, double width)
-        : LedContours(set, slice), width_(width) {}
+        : ConflatedContours(set, slice), width_(width) {}
 
     void close() {
         if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
@@ -61,7 +61,7 @@ class SliceGaps : public LedContours {
         std::vector<Beside> found;
         const auto consider = [&](std::uint32_t i, std::uint32_t j) {
             // The first end of segment i beside segment j.
-            const LedContour &from = loops_[all.loop[i]], &to = loops_[all.loop[j]];
+            const ConflatedContour &from = loops_[all.loop[i]], &to = loops_[all.loop[j]];
             if (all.shared[j] || (to_later ? from.structure >= to.structure : from.structure <= to.structure))
                 return;
             const std::uint32_t v = all.ends[i][0];
@@ -97,7 +97,7 @@ class SliceGaps : public LedContours {
         put_in(std::move(found));
     }
 
-    using LedContours::hidden;
+    using ConflatedContours::hidden;
     std::vector<std::uint8_t> hidden(const std::vector<Beside>& found, const Segments& all) const {
         std::vector<Way> ways;
         for (const Beside& x : found) {
@@ -152,7 +152,7 @@ class SliceGaps : public LedContours {
                                     std::uint32_t from, const std::vector<Edge>& owners) const {
         std::vector<Beside> path;
         const Edge drawn = drawn_segment(loops_[l], n);
-        const LedContour& way = loops_[other];
+        const ConflatedContour& way = loops_[other];
         const Vec2 back = at_[a] - at_[loops_[l].next_of(n)];
         for (std::size_t k = 1; k < way.vertices.size(); ++k) {
             const std::uint32_t v = way.vertices[(from + k) % way.vertices.size()];
@@ -206,7 +206,7 @@ class SliceGaps : public LedContours {
         std::vector<Edge> drawn;
         std::vector<std::pair<Edge, Place>> by_ends;
         for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-            const LedContour& loop = loops_[l];
+            const ConflatedContour& loop = loops_[l];
             for (std::size_t n = 0; n < loop.drawn.size(); ++n)
                 drawn.push_back({loop.drawn[n], loop.drawn[(n + 1) % loop.drawn.size()]});
             for (std::uint32_t n = 0; n < loop.vertices.size(); ++n)
@@ -216,7 +216,7 @@ class SliceGaps : public LedContours {
         std::vector<Way> ways;
         std::vector<Place> starts, places;
         for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-            const LedContour& loop = loops_[l];
+            const ConflatedContour& loop = loops_[l];
             for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
                 const std::uint32_t a = loop.vertices[n], b = loop.next_of(n);
                 if (!loop.taken(n) && !loop.taken((n + 1) % loop.vertices.size())) continue;
@@ -245,14 +245,14 @@ class SliceGaps : public LedContours {
 
 }  // namespace
 
-LedStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
+ConflationStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
     assert(options.width_mm >= 0 && options.width_mm <= 10);
-    LedStats stats;
+    ConflationStats stats;
     if (options.width_mm == 0 || set.structures.size() < 2) return stats;
     lead_slices(set, stats, [&](std::uint32_t s) {
         SliceGaps gaps(set, set.slices[s], options.width_mm);
         gaps.close();
-        return static_cast<LedContours>(std::move(gaps));
+        return static_cast<ConflatedContours>(std::move(gaps));
     });
     return stats;
 }

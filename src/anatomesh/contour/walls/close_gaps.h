@@ -2,7 +2,7 @@
 #pragma once
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/contour/walls/led_stats.h"
+#include "anatomesh/contour/walls/conflation_stats.h"
 
 namespace anatomesh {
 
@@ -19,6 +19,6 @@ struct CloseGapsOptions {
 // they are left as they were. Same result for any order of the input that led to the set. Complexity: O(n log
 // n + pairs nearer than the width) a slice, times the rounds of taking back what does not serve (2 or 3 as a
 // rule).
-LedStats close_gaps(ContourSet& set, const CloseGapsOptions& options);
+ConflationStats close_gaps(ContourSet& set, const CloseGapsOptions& options);
 
 }  // namespace anatomesh

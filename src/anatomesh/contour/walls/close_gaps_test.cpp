@@ -18,7 +18,7 @@ TEST(CloseGaps, sides_that_run_within_the_width_become_one_and_no_vertex_moves) 
              {std::pair{40, 40}, {40, 37}, {37, 40}, {40, 20}, {20, 41}, {80, 20}}) {
             const ContourSet before = slice_of(slabs(gap, below, above));
             ContourSet after = before;
-            const LedStats stats = close_gaps(after, {0.7});
+            const ConflationStats stats = close_gaps(after, {0.7});
             SCOPED_TRACE(testing::Message()
                          << "gap " << gap << ", " << below << " and " << above << " steps");
             EXPECT_TRUE(keeps_every_vertex(before, after));
@@ -33,7 +33,7 @@ TEST(CloseGaps, gaps_wider_than_the_width_stay) {
     for (const double gap : {0.5, -0.5, 2.0}) {
         const ContourSet before = slice_of({{0, box(0, 0, 10, 10)}, {1, box(10 + gap, 0, 20, 10)}});
         ContourSet after = before;
-        const LedStats stats = close_gaps(after, {0.5});
+        const ConflationStats stats = close_gaps(after, {0.5});
         EXPECT_EQ(after.points, before.points);
         EXPECT_EQ(stats.contours_changed, 0u);
         EXPECT_EQ(stats.area_mm2, 0);
@@ -42,7 +42,7 @@ TEST(CloseGaps, gaps_wider_than_the_width_stay) {
 
 TEST(CloseGaps, the_area_that_changes_hands_is_that_of_the_gap) {
     ContourSet set = slice_of({{0, box(0, 0, 10, 10)}, {1, box(10.25, 0, 20, 10)}});
-    const LedStats stats = close_gaps(set, {0.3});
+    const ConflationStats stats = close_gaps(set, {0.3});
     EXPECT_NEAR(stats.area_mm2, 2.5, 1e-12);
     EXPECT_NEAR(stats.widest_mm, 0.25, 1e-12);
     EXPECT_EQ(stats.slices, 1u);
@@ -86,7 +86,7 @@ TEST(CloseGaps, what_would_touch_itself_is_given_up) {
     const Polygon strip{{5.1, 3.1}, {5.2, 3.1}, {5.2, 10}, {5.1, 10}};
     const ContourSet before = slice_of({{0, notch}, {1, strip}});
     ContourSet after = before;
-    const LedStats stats = close_gaps(after, {0.35});
+    const ConflationStats stats = close_gaps(after, {0.35});
     EXPECT_TRUE(keeps_every_vertex(before, after));
     for (const Contour& contour : after.contours) {
         const auto points = after.points_of(contour);
@@ -164,7 +164,7 @@ TEST(CloseGaps, area_on_both_sides_of_a_wall_counts) {
     // Two walls that cross in the middle.
     ContourSet set = slice_of(
         {{0, {{0, 0}, {10, 1}, {10, 9}, {0, 10}}}, {1, {{10.2, 0.5}, {20, 0}, {20, 10}, {9.8, 9.5}}}});
-    const LedStats stats = close_gaps(set, {0.5});
+    const ConflationStats stats = close_gaps(set, {0.5});
     EXPECT_GT(stats.contours_changed, 0u);
     EXPECT_GT(stats.area_mm2, 0.5);
     EXPECT_LT(stats.area_mm2, 2);

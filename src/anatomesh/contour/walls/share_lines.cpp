@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "anatomesh/contour/overlay/segment_index.h"
-#include "anatomesh/contour/walls/led_contours.h"
+#include "anatomesh/contour/walls/conflated_contours.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/geom/polygon.h"
 
@@ -62,12 +62,12 @@ class CommonPoints {
     }
 
     // Forbids what some of a point's slices did and others not. Says whether there was any.
-    bool forbid_what_slices_differ_in(const std::vector<LedContours>& led) {
+    bool forbid_what_slices_differ_in(const std::vector<ConflatedContours>& led) {
         std::vector<std::pair<Number, Vec3>> ways;         // from where to where, by slice
         std::vector<std::array<std::uint32_t, 4>> having;  // structure, number, slice, 0: had it before
         for (std::uint32_t s = 0; s < led.size(); ++s) {
             std::vector<std::pair<Number, Vec3>> here;
-            for (const LedContour& loop : led[s].loops()) {
+            for (const ConflatedContour& loop : led[s].loops()) {
                 for (std::size_t n = 0; n < loop.vertices.size(); ++n) {
                     const Vec3 now = led[s].point(loop.vertices[n]);
                     if (!loop.taken(n)) {
@@ -133,10 +133,10 @@ constexpr double least_skew = 2e-7;
 // In which what slices with common vertices differ in is forbidden; then these vertices stay as they are.
 constexpr int most_rounds = 16;
 
-class SliceLines : public LedContours {
+class SliceLines : public ConflatedContours {
   public:
     SliceLines(const ContourSet& set, const Slice& slice, double width, const CommonPoints& common)
-        : LedContours(set, slice), width_(width), common_(common) {
+        : ConflatedContours(set, slice), width_(width), common_(common) {
         for (const Vec3& p : points_) number_.push_back(common.number_of(p));
     }
 
@@ -187,7 +187,7 @@ class SliceLines : public LedContours {
             now[stays] = stays;
             now[moves] = stays;
         }
-        for (LedContour& loop : loops_) {
+        for (ConflatedContour& loop : loops_) {
             for (std::uint32_t& v : loop.vertices)
                 if (now[v] != no_vertex) v = now[v];
         }
@@ -217,7 +217,7 @@ class SliceLines : public LedContours {
         const auto consider = [&](Place from, Place to) {
             // The first end of the one beside the other.
             const std::uint32_t v = loops_[from[0]].vertices[from[1]];
-            const LedContour& loop = loops_[to[0]];
+            const ConflatedContour& loop = loops_[to[0]];
             if (!common_.may_get(loop.structure, number_[v])) return;
             if (std::binary_search(owners.begin(), owners.end(), Edge{loop.structure, v})) return;
             const Vec2 a = at_[loop.vertices[to[1]]], b = at_[loop.next_of(to[1])];
@@ -334,7 +334,7 @@ class SliceLines : public LedContours {
         const std::array places{first, second};
         std::array<Edge, 2> ends;
         for (std::size_t k = 0; k < 2; ++k) {
-            const LedContour& loop = loops_[places[k][0]];
+            const ConflatedContour& loop = loops_[places[k][0]];
             ends[k] = {loop.vertices[places[k][1]], loop.next_of(places[k][1])};
         }
         const Vec2 a = at_[ends[0][0]], b = at_[ends[0][1]], c = at_[ends[1][0]], d = at_[ends[1][1]];
@@ -402,13 +402,13 @@ ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options) {
     stats.width_mm = std::min(options.width_mm, options.share_of_segment * median_segment(set));
     if (!(stats.width_mm > 0)) return stats;
     CommonPoints common(set);
-    std::vector<LedContours> led;
+    std::vector<ConflatedContours> led;
     for (int round = 0;; ++round) {
         led.clear();
         for (const Slice& slice : set.slices) {
             SliceLines lines(set, slice, stats.width_mm, common);
             lines.share();
-            led.push_back(static_cast<LedContours>(std::move(lines)));
+            led.push_back(static_cast<ConflatedContours>(std::move(lines)));
         }
         if (!common.forbid_what_slices_differ_in(led)) break;
         if (round == most_rounds) common.forbid_all();

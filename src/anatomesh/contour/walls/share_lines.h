@@ -2,7 +2,7 @@
 #pragma once
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/contour/walls/led_stats.h"
+#include "anatomesh/contour/walls/conflation_stats.h"
 
 namespace anatomesh {
 
@@ -17,7 +17,7 @@ struct ShareLinesOptions {
     double share_of_segment = 0.05;
 };
 
-struct ShareLinesStats : LedStats {
+struct ShareLinesStats : ConflationStats {
     double width_mm = 0;  // that was used
 };
 

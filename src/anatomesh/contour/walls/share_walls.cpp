@@ -42,7 +42,7 @@ void share_copied_lines(ContourSet& kept, double width_mm, RunContext& context) 
 void close_slivers_between(ContourSet& kept, double width_mm, RunContext& context) {
     CloseSliversOptions closing;
     closing.width_mm = width_mm;
-    const LedStats stats = close_slivers(kept, closing);
+    const ConflationStats stats = close_slivers(kept, closing);
     if (stats.contours_changed == 0) return;
     context.warn(
         {"W-CON-028",
@@ -56,7 +56,7 @@ void close_slivers_between(ContourSet& kept, double width_mm, RunContext& contex
 
 // Walls that neighbouring structures share but for less than a pixel.
 void close_narrow_gaps(ContourSet& kept, double width_mm, RunContext& context) {
-    const LedStats stats = close_gaps(kept, {width_mm});
+    const ConflationStats stats = close_gaps(kept, {width_mm});
     if (stats.contours_changed == 0) return;
     context.warn({"W-CON-025",
                   "gaps and overlaps below " + plain_text(width_mm) +

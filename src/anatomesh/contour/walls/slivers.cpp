@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "anatomesh/contour/overlay/segment_index.h"
-#include "anatomesh/contour/walls/led_contours.h"
+#include "anatomesh/contour/walls/conflated_contours.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/polygon.h"
 
@@ -41,12 +41,12 @@ struct Stretch {
     std::size_t vertices() const { return segments - 1; }
 };
 
-class SliceSlivers : public LedContours {
+class SliceSlivers : public ConflatedContours {
   public:
     // `patches`: of all slices.
     SliceSlivers(const ContourSet& set, std::uint32_t slice, const std::vector<Box3>& patches,
                  const CloseSliversOptions& options)
-        : LedContours(set, set.slices[slice]),
+        : ConflatedContours(set, set.slices[slice]),
           set_(set),
           slice_(slice),
           patches_(patches),
@@ -56,7 +56,7 @@ class SliceSlivers : public LedContours {
 
     void close() {
         if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
-        for (const LedContour& loop : loops_) {
+        for (const ConflatedContour& loop : loops_) {
             std::vector<Vec2> polygon;
             Box2 box;
             for (const std::uint32_t v : loop.drawn) {
@@ -103,7 +103,7 @@ class SliceSlivers : public LedContours {
 
     // Places are in rising order, as their segments are in the index.
     void add_meetings(Place p, Place q, std::vector<Meeting>& all) const {
-        const LedContour &first = loops_[p[0]], &second = loops_[q[0]];
+        const ConflatedContour &first = loops_[p[0]], &second = loops_[q[0]];
         const Edge own{first.vertices[p[1]], first.next_of(p[1])};
         const Edge other{second.vertices[q[1]], second.next_of(q[1])};
         bool common = false;
@@ -317,7 +317,7 @@ class SliceSlivers : public LedContours {
         Vec2 crossing;
     };
     CrossingSide side_at(std::uint32_t l, double along_loop, bool begins) const {
-        const LedContour& loop = loops_[l];
+        const ConflatedContour& loop = loops_[l];
         const double whole = std::min(std::floor(along_loop), static_cast<double>(loop.vertices.size()) - 1);
         const auto n = static_cast<std::uint32_t>(whole);
         CrossingSide side{{l, n}, along_loop - whole, 0, {loop.vertices[n], loop.next_of(n)}, 0, {}};
@@ -395,7 +395,7 @@ class SliceSlivers : public LedContours {
     }
 
     std::uint32_t made_at(Place place, double share) {
-        const LedContour& loop = loops_[place[0]];
+        const ConflatedContour& loop = loops_[place[0]];
         const Vec3 a = points_[loop.vertices[place[1]]], b = points_[loop.next_of(place[1])];
         const Vec3 p = a + share * (b - a);
         const auto same =
@@ -409,7 +409,7 @@ class SliceSlivers : public LedContours {
     // Runs in which a contour lies between a vertex and where it is put.
     void give_up_hidden() {
         std::vector<Edge> segments;
-        for (const LedContour& loop : loops_) {
+        for (const ConflatedContour& loop : loops_) {
             for (std::size_t n = 0; n < loop.vertices.size(); ++n)
                 segments.push_back({loop.vertices[n], loop.next_of(n)});
         }
@@ -429,7 +429,7 @@ class SliceSlivers : public LedContours {
 
     // From the drawn loops, with all runs that are not given up.
     void lead() {
-        for (LedContour& loop : loops_) loop.vertices = loop.origin = loop.drawn;
+        for (ConflatedContour& loop : loops_) loop.vertices = loop.origin = loop.drawn;
         std::vector<Beside> all;
         for (std::size_t r = 0; r < runs_.size(); ++r) {
             if (!given_up_[r]) all.insert(all.end(), runs_[r].begin(), runs_[r].end());
@@ -494,11 +494,11 @@ class SliceSlivers : public LedContours {
 
 }  // namespace
 
-LedStats close_slivers(ContourSet& set, const CloseSliversOptions& options) {
+ConflationStats close_slivers(ContourSet& set, const CloseSliversOptions& options) {
     assert(options.width_mm >= 0 && options.width_mm <= 10);
     assert(options.share_of_segment >= 0 && options.share_of_segment <= 0.5);
     assert(options.most_of_area >= 0 && options.most_of_area <= 1);
-    LedStats stats;
+    ConflationStats stats;
     if (options.width_mm == 0 || options.share_of_segment == 0 || set.structures.size() < 2) return stats;
     std::vector<Box3> patches(set.slices.size());
     for (const Contour& contour : set.contours) {
@@ -507,7 +507,7 @@ LedStats close_slivers(ContourSet& set, const CloseSliversOptions& options) {
     lead_slices(set, stats, [&](std::uint32_t s) {
         SliceSlivers slivers(set, s, patches, options);
         slivers.close();
-        return static_cast<LedContours>(std::move(slivers));
+        return static_cast<ConflatedContours>(std::move(slivers));
     });
     return stats;
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/contour/walls/led_stats.h"
+#include "anatomesh/contour/walls/conflation_stats.h"
 
 namespace anatomesh {
 
@@ -33,6 +33,6 @@ struct CloseSliversOptions {
 // slivers times slices) a slice. Source of the notion: the spurious polygons of overlaid maps, M. F.
 // Goodchild, "Statistical aspects of the polygon overlay problem", in: G. Dutton (ed.), Harvard Papers on
 // Geographic Information Systems 6, 1978.
-LedStats close_slivers(ContourSet& set, const CloseSliversOptions& options);
+ConflationStats close_slivers(ContourSet& set, const CloseSliversOptions& options);
 
 }  // namespace anatomesh

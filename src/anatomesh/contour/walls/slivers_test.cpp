@@ -59,7 +59,7 @@ TEST(CloseSlivers, a_wall_that_was_drawn_twice_becomes_one_and_no_vertex_moves) 
     for (const auto& [below, above] : {std::pair{14, 11}, {11, 14}, {10, 9}, {13, 13}, {12, 16}, {9, 14}}) {
         const ContourSet before = slice_of(one_wall_drawn_twice(below, above));
         ContourSet after = before;
-        const LedStats stats = close_slivers(after, {});
+        const ConflationStats stats = close_slivers(after, {});
         SCOPED_TRACE(testing::Message() << below << " and " << above << " steps");
         EXPECT_TRUE(keeps_every_vertex(before, after));
         EXPECT_LT(stats.widest_mm, 0.4);
@@ -78,7 +78,7 @@ TEST(CloseSlivers, nothing_changes_but_what_lies_between_the_contours) {
             between += 20.0 / steps * std::abs(height_at(low, x) - height_at(high, x));
         }
         ContourSet set = slice_of(one_wall_drawn_twice(below, above));
-        const LedStats stats = close_slivers(set, {});
+        const ConflationStats stats = close_slivers(set, {});
         EXPECT_GT(stats.area_mm2, 0.3 * between);
         EXPECT_LE(stats.area_mm2, 1.75 * between) << below << " and " << above << " steps";
     }
@@ -86,7 +86,7 @@ TEST(CloseSlivers, nothing_changes_but_what_lies_between_the_contours) {
     const ContourSet before =
         slice_of({{0, box(0, -20, 100, 0)}, {1, {{45, -0.35}, {49, -0.35}, {60, 10}, {40, 10}}}});
     ContourSet after = before;
-    const LedStats stats = close_slivers(after, {});
+    const ConflationStats stats = close_slivers(after, {});
     EXPECT_TRUE(keeps_every_vertex(before, after));
     EXPECT_GT(stats.contours_changed, 0u);
     EXPECT_LE(stats.area_mm2, 0.35 * 5);

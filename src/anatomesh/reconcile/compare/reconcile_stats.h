@@ -6,11 +6,11 @@
 
 #include "anatomesh/contour/walls/share_lines.h"
 #include "anatomesh/contour/walls/slivers.h"
+#include "anatomesh/reconcile/regularize/enforce_clearance.h"
 #include "anatomesh/reconcile/regularize/flatten_folds.h"
-#include "anatomesh/reconcile/regularize/keep_apart.h"
-#include "anatomesh/reconcile/regularize/settle_flanks.h"
-#include "anatomesh/reconcile/regularize/settle_poles.h"
-#include "anatomesh/reconcile/resolve/settle_pieces.h"
+#include "anatomesh/reconcile/regularize/regularize_along_axis.h"
+#include "anatomesh/reconcile/regularize/regularize_fans.h"
+#include "anatomesh/reconcile/resolve/resolve_conflicting_intervals.h"
 
 namespace anatomesh {
 
@@ -66,15 +66,15 @@ struct ReconcileStats {
     double median_mm = 0, p95_mm = 0, max_mm = 0;  // over all ends, as drawn (after align)
     double difference_mm = 0, difference_after_mm = 0;
     double mean_movement_mm = 0, max_movement_mm = 0;
-    std::uint64_t shared_points = 0;    // points on common lines that contours of both slices now have
-    FoldStats folds;                    // that the movement made, cut off
-    PoleStats poles;                    // where contours rose and fell from plane to plane
-    std::vector<TakenOver> taken_over;  // by slice and structure
-    std::vector<SettledPiece> settled;  // pieces of common lines, in order
-    FlankStats flanks;                  // the same beside lines, along them
-    KeptApart kept_apart;               // contours that all but touched
-    LedStats slivers;                   // between structures, closed where the movement left them
-    LedStats shared_lines;              // of structures that came to lie on each other
+    std::uint64_t shared_points = 0;         // points on common lines that contours of both slices now have
+    FoldStats folds;                         // that the movement made, cut off
+    FanStats poles;                          // where contours rose and fell from plane to plane
+    std::vector<TakenOver> taken_over;       // by slice and structure
+    std::vector<ResolvedInterval> resolved;  // pieces of common lines, in order
+    AlongAxisStats flanks;                   // the same beside lines, along them
+    ClearanceStats clearance;                // contours that all but touched
+    ConflationStats slivers;                 // between structures, closed where the movement left them
+    ConflationStats shared_lines;            // of structures that came to lie on each other
     std::uint32_t rounds = 0;
 };
 

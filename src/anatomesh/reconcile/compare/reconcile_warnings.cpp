@@ -20,12 +20,13 @@ constexpr double outlier_mm = 2,
 class Warner {
   public:
     Warner(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
-           std::span<const UndrawnStructure> undrawn, std::span<const StraySlice> strays, RunContext& context)
+           std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
+           RunContext& context)
         : set_(set),
           options_(options),
           stats_(stats),
           undrawn_(undrawn),
-          strays_(strays),
+          isolated_(isolated),
           context_(context) {}
 
     void warn() {
@@ -36,12 +37,12 @@ class Warner {
         warn_of_poles();
         warn_of_parting();
         warn_of_taken_over();
-        warn_of_settled();
+        warn_of_resolved();
         warn_of_walls();
         warn_of_rest();
         warn_of_outliers();
         warn_of_undrawn();
-        warn_of_strays();
+        warn_of_isolated();
     }
 
   private:
@@ -58,22 +59,23 @@ class Warner {
         return named;
     }
 
-    void warn_of_strays() {
-        std::vector<StraySlice> named(strays_.begin(), strays_.end());
+    void warn_of_isolated() {
+        std::vector<IsolatedSlice> named(isolated_.begin(), isolated_.end());
         std::stable_sort(named.begin(), named.end(),
-                         [](const StraySlice& p, const StraySlice& q) { return p.others > q.others; });
+                         [](const IsolatedSlice& p, const IsolatedSlice& q) { return p.others > q.others; });
         for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
-            const StraySlice& stray = named[n];
+            const IsolatedSlice& isolated = named[n];
             context_.warn({"W-RCN-008",
-                           "the slice has nothing in common with the " + std::to_string(stray.others) +
-                               (stray.others == 1 ? " slice" : " slices") +
+                           "the slice has nothing in common with the " + std::to_string(isolated.others) +
+                               (isolated.others == 1 ? " slice" : " slices") +
                                " that draw the same structure where their planes cross, but elsewhere; "
                                "the nearest is slice " +
-                               set_.slices[stray.nearest].name + ": is it in its place?" +
+                               set_.slices[isolated.nearest].name + ": is it in its place?" +
                                (named.size() > most_named_pairs && n == 0
                                     ? "; " + std::to_string(named.size()) + " such slices"
                                     : ""),
-                           place_of_slice(set_, stray.slice, stray.gap_mm), "kept, as a part by itself"});
+                           place_of_slice(set_, isolated.slice, isolated.gap_mm),
+                           "kept, as a part by itself"});
         }
     }
 
@@ -111,8 +113,8 @@ class Warner {
     }
 
     void warn_of_poles() {
-        const PoleStats& poles = stats_.poles;
-        const FlankStats& flanks = stats_.flanks;
+        const FanStats& poles = stats_.poles;
+        const AlongAxisStats& flanks = stats_.flanks;
         if (poles.poles + flanks.points == 0) return;
         const double highest = std::max(poles.highest_mm, flanks.farthest_mm);
         context_.warn(
@@ -126,7 +128,7 @@ class Warner {
     }
 
     void warn_of_parting() {
-        const KeptApart& apart = stats_.kept_apart;
+        const ClearanceStats& apart = stats_.clearance;
         if (apart.places == 0) return;
         context_.warn({"W-RCN-013",
                        "contours came to touch each other but for a hair as they were moved, at " +
@@ -155,16 +157,17 @@ class Warner {
         }
     }
 
-    void warn_of_settled() {
-        std::vector<SettledPiece> named;
-        for (const SettledPiece& piece : stats_.settled) {
+    void warn_of_resolved() {
+        std::vector<ResolvedInterval> named;
+        for (const ResolvedInterval& piece : stats_.resolved) {
             if (piece.parts || piece.farthest_mm >= least_named_change_mm) named.push_back(piece);
         }
-        std::stable_sort(named.begin(), named.end(), [](const SettledPiece& p, const SettledPiece& q) {
-            return p.farthest_mm > q.farthest_mm;
-        });
+        std::stable_sort(named.begin(), named.end(),
+                         [](const ResolvedInterval& p, const ResolvedInterval& q) {
+                             return p.farthest_mm > q.farthest_mm;
+                         });
         for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
-            const SettledPiece& piece = named[n];
+            const ResolvedInterval& piece = named[n];
             Place place = place_of_slice(set_, piece.slice, piece.farthest_mm);
             const Structure& structure = set_.structures[piece.structure];
             place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
@@ -183,10 +186,10 @@ class Warner {
     }
 
     void warn_of_walls() {
-        const LedStats &slivers = stats_.slivers, &shared = stats_.shared_lines;
+        const ConflationStats &slivers = stats_.slivers, &shared = stats_.shared_lines;
         if (slivers.contours_changed + shared.contours_changed == 0) return;
         const bool wider = slivers.widest_mm > shared.widest_mm;
-        const LedStats& worst = wider ? slivers : shared;
+        const ConflationStats& worst = wider ? slivers : shared;
         context_.warn(
             {"W-RCN-011",
              "contours of neighbouring structures came to lie beside each other as they were moved: "
@@ -301,16 +304,16 @@ class Warner {
     const ReconcileOptions& options_;
     const ReconcileStats& stats_;
     std::span<const UndrawnStructure> undrawn_;
-    std::span<const StraySlice> strays_;
+    std::span<const IsolatedSlice> isolated_;
     RunContext& context_;
 };
 
 }  // namespace
 
 void warn_of_reconciling(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
-                         std::span<const UndrawnStructure> undrawn, std::span<const StraySlice> strays,
+                         std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
                          RunContext& context) {
-    Warner(set, options, stats, undrawn, strays, context).warn();
+    Warner(set, options, stats, undrawn, isolated, context).warn();
 }
 
 Place place_of_slice(const ContourSet& set, std::uint32_t slice, double value_mm) {

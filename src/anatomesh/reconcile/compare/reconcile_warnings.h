@@ -7,8 +7,8 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/reconcile/compare/isolated_slices.h"
 #include "anatomesh/reconcile/compare/reconcile_stats.h"
-#include "anatomesh/reconcile/compare/stray_slices.h"
 #include "anatomesh/slices/coverage/undrawn_structures.h"
 
 namespace anatomesh {
@@ -19,7 +19,7 @@ inline constexpr double align_precision_mm = 1e-3;  // of shifts
 // Warnings W-RCN-001..011, of the stats of reconcile_contours() for `set` as kept. None where no slices
 // cross.
 void warn_of_reconciling(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
-                         std::span<const UndrawnStructure> undrawn, std::span<const StraySlice> strays,
+                         std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
                          RunContext& context);
 
 Place place_of_slice(const ContourSet& set, std::uint32_t slice, double value_mm);

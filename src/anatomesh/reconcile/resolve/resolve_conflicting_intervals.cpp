@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/resolve/settle_pieces.h"
+#include "anatomesh/reconcile/resolve/resolve_conflicting_intervals.h"
 
 #include <algorithm>
 #include <cassert>
@@ -71,7 +71,7 @@ struct Change {
 // The ways in which a slice can come to have on a piece what the other one has.
 class Ways {
   public:
-    Ways(const ContourSet& set, const Piece& piece, bool of_a, const SettlePiecesOptions& options)
+    Ways(const ContourSet& set, const Piece& piece, bool of_a, const ConflictingIntervalOptions& options)
         : set_(set),
           piece_(piece),
           slice_(of_a ? piece.a : piece.b),
@@ -178,7 +178,7 @@ class Ways {
     const Piece& piece_;
     const std::uint32_t slice_, other_;
     const bool inside_, of_a_;
-    const SettlePiecesOptions& options_;
+    const ConflictingIntervalOptions& options_;
 };
 
 double left_mm(std::span<const LineComparison> comparisons) {
@@ -207,10 +207,11 @@ class Contradicted {
     std::vector<std::uint32_t> count_;
 };
 
-class Settler {
+class IntervalResolution {
   public:
-    Settler(ContourSet& set, DrawnPlaces& drawn, std::vector<LineComparison> comparisons,
-            const CompareSlices& compare, const SettlePiecesOptions& options, RunContext& context)
+    IntervalResolution(ContourSet& set, DrawnPlaces& drawn, std::vector<LineComparison> comparisons,
+                       const CompareSlices& compare, const ConflictingIntervalOptions& options,
+                       RunContext& context)
         : set_(set),
           drawn_(drawn),
           comparisons_(std::move(comparisons)),
@@ -219,10 +220,10 @@ class Settler {
           options_(options),
           context_(context) {}
 
-    std::vector<SettledPiece> run() {
-        while (settled_.size() < most_changes && settle_one()) {
+    std::vector<ResolvedInterval> run() {
+        while (resolved_.size() < most_changes && resolve_one()) {
         }
-        return std::move(settled_);
+        return std::move(resolved_);
     }
 
   private:
@@ -231,8 +232,8 @@ class Settler {
         return {piece.a, piece.b, piece.structure, piece.low.t, piece.high.t};
     }
 
-    // The first piece that can be settled.
-    bool settle_one() {
+    // The first piece that can be resolved.
+    bool resolve_one() {
         const LineVotes votes(comparisons_);
         for (std::size_t c = 0; c < comparisons_.size(); ++c) {
             if (comparisons_[c].difference_mm <= least_piece_mm) continue;
@@ -240,14 +241,14 @@ class Settler {
                 const auto at = std::lower_bound(given_up_.begin(), given_up_.end(), key_of(piece));
                 if (at != given_up_.end() && *at == key_of(piece)) continue;
                 given_up_.insert(at, key_of(piece));
-                if (settle(piece, comparisons_[c], votes)) return true;
+                if (resolve(piece, comparisons_[c], votes)) return true;
                 if (tries_ > most_tries || context_.cancelled()) return false;
             }
         }
         return false;
     }
 
-    bool settle(const Piece& piece, const LineComparison& comparison, const LineVotes& votes) {
+    bool resolve(const Piece& piece, const LineComparison& comparison, const LineVotes& votes) {
         const bool most_as_a = votes.most_agree(comparison, piece.a, piece.middle()),
                    most_as_b = votes.most_agree(comparison, piece.b, piece.middle());
         const std::uint32_t of_a = contradicted_.by(piece.a, piece.structure),
@@ -271,8 +272,8 @@ class Settler {
             carry_drawn(changed);
             set_ = changed;
             comparisons_ = std::move(after);
-            settled_.push_back({change.slice, piece.structure, change.other, change.inside, parts,
-                                piece.length_mm(), change.farthest_mm});
+            resolved_.push_back({change.slice, piece.structure, change.other, change.inside, parts,
+                                 piece.length_mm(), change.farthest_mm});
             return true;
         }
         return false;
@@ -310,20 +311,22 @@ class Settler {
     std::vector<LineComparison> comparisons_;
     const Contradicted contradicted_;  // before anything was changed
     const CompareSlices& compare_;
-    const SettlePiecesOptions& options_;
+    const ConflictingIntervalOptions& options_;
     RunContext& context_;
     std::vector<Key> given_up_;  // sorted: pieces that were tried
-    std::vector<SettledPiece> settled_;
+    std::vector<ResolvedInterval> resolved_;
     std::size_t tries_ = 0;
 };
 
 }  // namespace
 
-std::vector<SettledPiece> settle_pieces(ContourSet& set, DrawnPlaces& drawn,
-                                        std::vector<LineComparison> comparisons, const CompareSlices& compare,
-                                        const SettlePiecesOptions& options, RunContext& context) {
+std::vector<ResolvedInterval> resolve_conflicting_intervals(ContourSet& set, DrawnPlaces& drawn,
+                                                            std::vector<LineComparison> comparisons,
+                                                            const CompareSlices& compare,
+                                                            const ConflictingIntervalOptions& options,
+                                                            RunContext& context) {
     assert(options.clearance_mm > 0 && options.most_mm > 0);
-    return Settler(set, drawn, std::move(comparisons), compare, options, context).run();
+    return IntervalResolution(set, drawn, std::move(comparisons), compare, options, context).run();
 }
 
 }  // namespace anatomesh

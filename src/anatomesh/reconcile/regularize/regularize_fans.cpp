@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/regularize/settle_poles.h"
+#include "anatomesh/reconcile/regularize/regularize_fans.h"
 
 #include <algorithm>
 #include <cassert>
@@ -57,16 +57,16 @@ struct Leg {
     bool held = false;
 };
 
-class PoleSettler {
+class FanRegularization {
   public:
-    PoleSettler(ContourSet& set, DrawnPlaces& drawn, const PoleOptions& options)
+    FanRegularization(ContourSet& set, DrawnPlaces& drawn, const FanOptions& options)
         : set_(set), drawn_(drawn), options_(options), graph_(make_contour_graph(set)) {}
 
-    PoleStats run() {
+    FanStats run() {
         find_places();
         moved_ = set_.points;
         put_in_.resize(set_.points.size());
-        for (const auto& visits : places_) settle(visits);
+        for (const auto& visits : places_) regularize(visits);
         if (stats_.poles > 0) lay_out();
         if (stats_.highest_mm == 0) stats_.poles = 0;
         return stats_;
@@ -111,7 +111,7 @@ class PoleSettler {
         return line;
     }
 
-    void settle(std::span<const Visit> visits) {
+    void regularize(std::span<const Visit> visits) {
         if (visits.size() < planes_at_pole) return;
         const std::optional<Vec3> line = common_line(visits);
         if (!line) return;
@@ -391,9 +391,9 @@ class PoleSettler {
 
     ContourSet& set_;
     DrawnPlaces& drawn_;
-    const PoleOptions& options_;
+    const FanOptions& options_;
     const ContourGraph graph_;
-    PoleStats stats_;
+    FanStats stats_;
     std::vector<Visit> visits_;  // by place, then by structure
     std::vector<std::span<const Visit>> places_;
     std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3> ways_;  // of legs that were turned
@@ -404,11 +404,11 @@ class PoleSettler {
 
 }  // namespace
 
-PoleStats settle_poles(ContourSet& set, DrawnPlaces& drawn, const PoleOptions& options) {
+FanStats regularize_fans(ContourSet& set, DrawnPlaces& drawn, const FanOptions& options) {
     assert(options.radius_mm > 0 && options.least_degrees > 0 && options.least_degrees < 180);
     assert(options.steepest_degrees > 0 && options.steepest_degrees <= 90);
     assert(drawn.at.size() == set.points.size());
-    return PoleSettler(set, drawn, options).run();
+    return FanRegularization(set, drawn, options).run();
 }
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-// settle_poles: where many planes meet in a line, the contours beside it are made one surface.
+// regularize_fans: where many planes meet in a line, the contours beside it are made one surface.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,16 @@
 
 namespace anatomesh {
 
-struct PoleOptions {
+struct FanOptions {
     double radius_mm = 1;       // up to where contours are turned. mm, > 0
-    double least_degrees = 70;  // between the surface's two sides at a contour; less is settled. (0, 180)
+    double least_degrees = 70;  // between the surface's two sides at a contour; less is regularized. (0, 180)
     double most_moved_mm = 10;  // of a vertex from where it was drawn. mm, > 0
     double steepest_degrees =
         65;  // of a leg over the plane across the line; steeper ones are turned. (0, 90]
 };
 
-struct PoleStats {
-    std::uint64_t poles = 0;  // that were settled
+struct FanStats {
+    std::uint64_t poles = 0;  // that were regularized
     double highest_mm = 0;    // of a turn, at its radius
 };
 
@@ -39,6 +39,6 @@ struct PoleStats {
 // not be sound keeps its contours; points within the radius keep their distance from the pole. The set's
 // points are laid out anew, in the same order, and `drawn` with them. O(n log n), a check of the slices that
 // change, and 50 turns a leg. No earlier method is followed.
-PoleStats settle_poles(ContourSet& set, DrawnPlaces& drawn, const PoleOptions& options);
+FanStats regularize_fans(ContourSet& set, DrawnPlaces& drawn, const FanOptions& options);
 
 }  // namespace anatomesh

@@ -1,13 +1,13 @@
-// LedStats: how much contours that were led through vertices of one another changed.
+// ConflationStats: how much contours that were led through vertices of one another changed.
 #pragma once
 
 #include <cstdint>
 
 namespace anatomesh {
 
-class LedContours;
+class ConflatedContours;
 
-struct LedStats {
+struct ConflationStats {
     std::uint64_t vertices_taken = 0;  // by a contour from another structure's
     std::uint64_t vertices_moved = 0;  // onto another structure's
     std::uint64_t contours_changed = 0;
@@ -17,7 +17,7 @@ struct LedStats {
     double area_mm2 = 0;            // between contours as drawn and as led, over all slices and contours
 
     // What was changed on a slice.
-    void add(const LedContours& led, std::uint32_t slice);
+    void add(const ConflatedContours& led, std::uint32_t slice);
 };
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/regularize/keep_apart.h"
+#include "anatomesh/reconcile/regularize/enforce_clearance.h"
 
 #include <gtest/gtest.h>
 
@@ -34,13 +34,13 @@ double tip_gap(const ContourSet& set) {
     return least;
 }
 
-TEST(KeepApart, what_movement_brought_to_all_but_touch_comes_apart) {
+TEST(EnforceClearance, what_movement_brought_to_all_but_touch_comes_apart) {
     for (const Vec3 normal : {Vec3{0, 0, 1}, Vec3{1, 2, 3}}) {
         const Plane plane = make_plane({1, 2, 3}, normal);
         for (const double gap : {1e-6, 1e-3, 0.05, 0.09}) {
             ContourSet set = one_slice(notched(gap), plane);
             DrawnPlaces drawn = drawn_places(one_slice(notched(3), plane));
-            const KeptApart kept = keep_apart(set, drawn, least_mm);
+            const ClearanceStats kept = enforce_clearance(set, drawn, least_mm);
             EXPECT_EQ(kept.places, 1u) << gap;
             EXPECT_NEAR(kept.farthest_mm, least_mm - gap, 1e-9);
             EXPECT_NEAR(tip_gap(set), least_mm, 1e-9);
@@ -50,24 +50,24 @@ TEST(KeepApart, what_movement_brought_to_all_but_touch_comes_apart) {
     }
 }
 
-TEST(KeepApart, what_was_drawn_as_near_or_is_far_enough_keeps_its_bits) {
+TEST(EnforceClearance, what_was_drawn_as_near_or_is_far_enough_keeps_its_bits) {
     const Plane plane = make_plane({}, {0, 0, 1});
     for (const auto& [gap, was] : {std::pair{0.05, 0.06}, std::pair{0.001, 0.001}, std::pair{0.11, 3.0}}) {
         ContourSet set = one_slice(notched(gap), plane);
         const ContourSet before = set;
         DrawnPlaces drawn = drawn_places(one_slice(notched(was), plane));
-        EXPECT_EQ(keep_apart(set, drawn, least_mm).places, 0u);
+        EXPECT_EQ(enforce_clearance(set, drawn, least_mm).places, 0u);
         EXPECT_EQ(set.points, before.points);
     }
 }
 
-TEST(KeepApart, a_vertex_in_another_slices_plane_stays_and_the_segment_gives_way) {
+TEST(EnforceClearance, a_vertex_in_another_slices_plane_stays_and_the_segment_gives_way) {
     ContourSet set = one_slice(notched(0.01), make_plane({}, {0, 0, 1}));
     add_slice(set, make_plane({}, {1, 0, 0}), {{-20, -20}, {20, -20}, {20, 20}, {-20, 20}});
     ContourSet was = one_slice(notched(3), make_plane({}, {0, 0, 1}));
     add_slice(was, make_plane({}, {1, 0, 0}), {{-20, -20}, {20, -20}, {20, 20}, {-20, 20}});
     DrawnPlaces drawn = drawn_places(was);
-    EXPECT_EQ(keep_apart(set, drawn, least_mm).places, 1u);
+    EXPECT_EQ(enforce_clearance(set, drawn, least_mm).places, 1u);
     EXPECT_EQ(set.contours[0].point_count, 8u);
     EXPECT_EQ(drawn.at.size(), set.points.size());
     EXPECT_NEAR(tip_gap(set), 0.01, 1e-12);
@@ -76,7 +76,7 @@ TEST(KeepApart, a_vertex_in_another_slices_plane_stays_and_the_segment_gives_way
     EXPECT_NEAR(lowest, -10 - (least_mm - 0.01), 1e-9);
 }
 
-TEST(KeepApart, what_structures_share_stays_shared) {
+TEST(EnforceClearance, what_structures_share_stays_shared) {
     const Plane plane = make_plane({}, {0, 0, 1});
     const auto two = [&](double gap) {
         ContourSet set =
@@ -90,7 +90,7 @@ TEST(KeepApart, what_structures_share_stays_shared) {
     };
     ContourSet set = two(0.01);
     DrawnPlaces drawn = drawn_places(two(3));
-    EXPECT_GE(keep_apart(set, drawn, least_mm).places, 1u);
+    EXPECT_GE(enforce_clearance(set, drawn, least_mm).places, 1u);
     EXPECT_NEAR(tip_gap(set), least_mm, 1e-9);
     const auto first = set.points_of(set.contours[0]);
     for (const Vec3& p : set.points_of(set.contours[1]))

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/regularize/settle_flanks.h"
+#include "anatomesh/reconcile/regularize/regularize_along_axis.h"
 
 #include <algorithm>
 #include <cassert>
@@ -65,7 +65,7 @@ std::vector<Axis> find_axes(const ContourSet& set) {
 
 // A point of a contour beside the line: how far along it and from it. It is a point of the set, or lies at a
 // share of the segment from there to the next one.
-struct FlankPoint {
+struct AlongAxisPoint {
     double along = 0, from_line = 0;
     std::uint32_t point = no_node;
     double share = 0;                 // 0: that point
@@ -74,7 +74,7 @@ struct FlankPoint {
     bool may_move = false;
 };
 
-struct FlankSegment {
+struct AlongAxisSegment {
     std::uint32_t a = 0, b = 0;  // indices into a half plane's points
 };
 
@@ -83,14 +83,14 @@ struct HalfPlane {
     std::uint32_t slice = 0;
     Vec3 outward;        // unit vector across the line
     double azimuth = 0;  // radians
-    std::vector<FlankPoint> points;
-    std::vector<FlankSegment> segments;
+    std::vector<AlongAxisPoint> points;
+    std::vector<AlongAxisSegment> segments;
 
     // How far from the line the first contour is at a place of it.
     double first_at(double along, double farthest) const {
         double first = farthest;
-        for (const FlankSegment& segment : segments) {
-            const FlankPoint &a = points[segment.a], &b = points[segment.b];
+        for (const AlongAxisSegment& segment : segments) {
+            const AlongAxisPoint &a = points[segment.a], &b = points[segment.b];
             if (std::min(a.along, b.along) > along || std::max(a.along, b.along) < along) continue;
             const double way = b.along - a.along;
             const double share = way != 0 ? (along - a.along) / way : 0;
@@ -100,10 +100,11 @@ struct HalfPlane {
     }
 };
 
-class AxisSettler {
+class AxisRegularization {
   public:
-    AxisSettler(const ContourSet& set, const Axis& axis, std::uint32_t structure, const FlankBounds& most_mm,
-                const FlankOptions& options, const std::vector<bool>& stays)
+    AxisRegularization(const ContourSet& set, const Axis& axis, std::uint32_t structure,
+                       const AlongAxisBounds& most_mm, const AlongAxisOptions& options,
+                       const std::vector<bool>& stays)
         : set_(set), axis_(axis), most_mm_(most_mm), options_(options), stays_(stays) {
         const Vec3 across = set.slices[axis.slices.front()].plane.normal,
                    along = cross(axis.line.direction, across);
@@ -172,7 +173,7 @@ class AxisSettler {
 
     // With points about a radius apart where it is near the line.
     void add_segment(HalfPlane& half, std::uint32_t low, std::uint32_t high) const {
-        const FlankPoint from = half.points[low], to = half.points[high];
+        const AlongAxisPoint from = half.points[low], to = half.points[high];
         const Vec2 a{from.along, from.from_line}, b{to.along, to.from_line};
         const double radius = options_.radius_mm;
         const bool is_flank = std::abs(b.y - a.y) <= steepest * std::abs(b.x - a.x) &&
@@ -182,7 +183,7 @@ class AxisSettler {
             return;
         }
         for (const std::uint32_t n : {low, high}) {
-            FlankPoint& end = half.points[n];
+            AlongAxisPoint& end = half.points[n];
             end.may_move = end.from_line > 0 && end.from_line < radius && !stays_[end.point] &&
                            !is_near_another_plane(half, {end.along, end.from_line});
         }
@@ -222,11 +223,11 @@ class AxisSettler {
         const double back = gap(before, half), on = gap(half, after);
         if (back + on > radians(widest_flank_gap_degrees)) return;
         const double radius = options_.radius_mm, far = reach * radius;
-        for (const FlankSegment& segment : half.segments) {
+        for (const AlongAxisSegment& segment : half.segments) {
             const Vec2 way{half.points[segment.b].along - half.points[segment.a].along,
                            half.points[segment.b].from_line - half.points[segment.a].from_line};
             for (const std::uint32_t n : {segment.a, segment.b}) {
-                const FlankPoint& point = half.points[n];
+                const AlongAxisPoint& point = half.points[n];
                 if (!point.may_move || point.from_line >= radius ||
                     half.first_at(point.along, far) < point.from_line - same_line_mm)
                     continue;
@@ -255,18 +256,19 @@ class AxisSettler {
 
     const ContourSet& set_;
     const Axis& axis_;
-    const FlankBounds& most_mm_;
-    const FlankOptions& options_;
+    const AlongAxisBounds& most_mm_;
+    const AlongAxisOptions& options_;
     const std::vector<bool>& stays_;
     std::vector<HalfPlane> halves_;
 };
 
-class FlankSettler {
+class AlongAxisRegularization {
   public:
-    FlankSettler(ContourSet& set, DrawnPlaces& drawn, const FlankBounds& most_mm, const FlankOptions& options)
+    AlongAxisRegularization(ContourSet& set, DrawnPlaces& drawn, const AlongAxisBounds& most_mm,
+                            const AlongAxisOptions& options)
         : set_(set), drawn_(drawn), most_mm_(most_mm), options_(options), graph_(make_contour_graph(set)) {}
 
-    FlankStats run() {
+    AlongAxisStats run() {
         const std::vector<Axis> axes = find_axes(set_);
         if (axes.empty()) return {};
         stays_ = points_that_stay(set_, graph_);
@@ -274,8 +276,8 @@ class FlankSettler {
         put_in_.resize(graph_.segments.size());
         for (const Axis& axis : axes) {
             for (std::uint32_t s = 0; s < set_.structures.size(); ++s) {
-                AxisSettler settler(set_, axis, s, most_mm_, options_, stays_);
-                if (settler.run()) take(settler.halves());
+                AxisRegularization regularization(set_, axis, s, most_mm_, options_, stays_);
+                if (regularization.run()) take(regularization.halves());
             }
         }
         if (any_) lay_out();
@@ -293,8 +295,8 @@ class FlankSettler {
     // What moved enough, of contours that no structure before has moved there.
     void take(const std::vector<HalfPlane>& halves) {
         for (const HalfPlane& half : halves) {
-            for (const FlankPoint& point : half.points) {
-                const FlankPoint &low = half.points[point.low], &high = half.points[point.high];
+            for (const AlongAxisPoint& point : half.points) {
+                const AlongAxisPoint &low = half.points[point.low], &high = half.points[point.high];
                 const double without = point.share > 0
                                            ? low.from_line + point.share * (high.from_line - low.from_line)
                                            : point.drawn_from_line;
@@ -311,14 +313,14 @@ class FlankSettler {
         }
     }
 
-    void move(const FlankPoint& point, Vec3 way) {
+    void move(const AlongAxisPoint& point, Vec3 way) {
         Vec3& moved = moved_[graph_.node_of_point[point.point]];
         const Vec3 to = set_.points[point.point] + way;
         if (moved != Vec3{} || length(to - drawn_.at[point.point]) > options_.most_moved_mm) return;
         moved = way;
     }
 
-    void put_in(const FlankPoint& point, Vec3 way) {
+    void put_in(const AlongAxisPoint& point, Vec3 way) {
         const std::uint32_t segment = graph_.segment_of_point[point.point];
         const auto [low, high] = graph_.segments[segment];
         const double share = graph_.node_of_point[point.point] == low ? point.share : 1 - point.share;
@@ -396,10 +398,10 @@ class FlankSettler {
 
     ContourSet& set_;
     DrawnPlaces& drawn_;
-    const FlankBounds& most_mm_;
-    const FlankOptions& options_;
+    const AlongAxisBounds& most_mm_;
+    const AlongAxisOptions& options_;
     const ContourGraph graph_;
-    FlankStats stats_;
+    AlongAxisStats stats_;
     bool any_ = false;
     std::vector<bool> stays_;                 // per point of the set
     std::vector<Vec3> moved_;                 // per node: by how much
@@ -408,12 +410,12 @@ class FlankSettler {
 
 }  // namespace
 
-FlankStats settle_flanks(ContourSet& set, DrawnPlaces& drawn, const FlankBounds& most_mm,
-                         const FlankOptions& options) {
+AlongAxisStats regularize_along_axis(ContourSet& set, DrawnPlaces& drawn, const AlongAxisBounds& most_mm,
+                                     const AlongAxisOptions& options) {
     assert(options.radius_mm > 0 && options.least_degrees > 0 && options.least_degrees < 180);
     assert(drawn.at.size() == set.points.size());
     assert(most_mm.size() == set.slices.size());
-    return FlankSettler(set, drawn, most_mm, options).run();
+    return AlongAxisRegularization(set, drawn, most_mm, options).run();
 }
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/move/true_planes.h"
+#include "anatomesh/reconcile/move/snap_planes_to_axis.h"
 
 #include <gtest/gtest.h>
 
@@ -35,10 +35,10 @@ ContourSet about_axis(int count, double noise_mm) {
     return set;
 }
 
-TEST(TruePlanes, planes_about_an_axis_run_through_one_line_and_hold_their_points) {
+TEST(SnapPlanesToAxis, planes_about_an_axis_run_through_one_line_and_hold_their_points) {
     ContourSet set = about_axis(24, 0.008);
     const ContourSet before = set;
-    const TruePlanesStats stats = make_planes_true(set);
+    const PlaneSnappingStats stats = snap_planes_to_axis(set);
     EXPECT_GE(stats.about_axis, 20u);
     EXPECT_GT(stats.points, 900u);
     EXPECT_LT(stats.farthest_mm, 0.05);
@@ -61,21 +61,21 @@ TEST(TruePlanes, planes_about_an_axis_run_through_one_line_and_hold_their_points
         EXPECT_LT(length(set.points[k] - before.points[k]), 0.05);
 }
 
-TEST(TruePlanes, what_is_exact_stays_to_the_last_bit) {
+TEST(SnapPlanesToAxis, what_is_exact_stays_to_the_last_bit) {
     ContourSet set = about_axis(24, 0);
     const ContourSet before = set;
-    const TruePlanesStats stats = make_planes_true(set);
+    const PlaneSnappingStats stats = snap_planes_to_axis(set);
     EXPECT_EQ(stats.about_axis, 0u);
     EXPECT_EQ(stats.points, 0u);
     EXPECT_EQ(set.points, before.points);
 }
 
 // Planes that miss a line by more than rounding are no scan about it, nor are a few.
-TEST(TruePlanes, planes_that_were_not_meant_to_meet_in_a_line_stay) {
+TEST(SnapPlanesToAxis, planes_that_were_not_meant_to_meet_in_a_line_stay) {
     for (const auto& [count, noise] : {std::pair{24, 1.0}, std::pair{4, 0.008}}) {
         ContourSet set = about_axis(count, noise);
         const ContourSet before = set;
-        EXPECT_EQ(make_planes_true(set).about_axis, 0u);
+        EXPECT_EQ(snap_planes_to_axis(set).about_axis, 0u);
         for (std::size_t s = 0; s < set.slices.size(); ++s) {
             EXPECT_EQ(set.slices[s].plane.origin, before.slices[s].plane.origin);
             EXPECT_EQ(set.slices[s].plane.normal, before.slices[s].plane.normal);

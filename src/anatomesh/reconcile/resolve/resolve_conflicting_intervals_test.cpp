@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/resolve/settle_pieces.h"
+#include "anatomesh/reconcile/resolve/resolve_conflicting_intervals.h"
 
 #include <gtest/gtest.h>
 
@@ -75,15 +75,15 @@ double difference_mm(const ContourSet& set) {
     return sum;
 }
 
-std::vector<SettledPiece> settle(ContourSet& set, SettlePiecesOptions options = {}) {
+std::vector<ResolvedInterval> resolve(ContourSet& set, ConflictingIntervalOptions options = {}) {
     RunContext context;
     DrawnPlaces drawn = drawn_places(set);
-    const std::vector<SettledPiece> settled =
-        settle_pieces(set, drawn, compare_all(set), compare_all, options, context);
+    const std::vector<ResolvedInterval> resolved =
+        resolve_conflicting_intervals(set, drawn, compare_all(set), compare_all, options, context);
     EXPECT_EQ(drawn.at.size(), set.points.size());
     for (const Slice& slice : set.slices)
         EXPECT_TRUE(slice_faults(plane_rings(set, slice), set.exclusive).empty());
-    return settled;
+    return resolved;
 }
 
 std::vector<Vec3> points_of_slice(const ContourSet& set, std::uint32_t slice) {
@@ -93,18 +93,18 @@ std::vector<Vec3> points_of_slice(const ContourSet& set, std::uint32_t slice) {
     return points;
 }
 
-TEST(SettlePieces, slices_that_agree_stay_as_they_are) {
+TEST(ResolveConflictingIntervals, slices_that_agree_stay_as_they_are) {
     for (const double turn : {0.0, 0.7}) {
         ContourSet set;
         draw(set, 0, {1, 0, 0}, with_gap(3), turn);
         draw(set, 0, {0, 1, 0}, with_gap(3), turn);
         const ContourSet before = set;
-        EXPECT_TRUE(settle(set).empty());
+        EXPECT_TRUE(resolve(set).empty());
         EXPECT_EQ(set.points, before.points);
     }
 }
 
-TEST(SettlePieces, a_narrow_gap_that_one_slice_has_alone_is_bridged_there) {
+TEST(ResolveConflictingIntervals, a_narrow_gap_that_one_slice_has_alone_is_bridged_there) {
     for (const double turn : {0.0, 0.3, 1.1}) {
         for (const double gap : {0.05, 0.5, 2.0, 5.0}) {
             ContourSet set;
@@ -113,14 +113,15 @@ TEST(SettlePieces, a_narrow_gap_that_one_slice_has_alone_is_bridged_there) {
             const double before = difference_mm(set);
             ASSERT_GT(before, 0.9 * gap);
             const std::vector<Vec3> other = points_of_slice(set, 0);
-            const std::vector<SettledPiece> settled = settle(set);
+            const std::vector<ResolvedInterval> resolved = resolve(set);
             EXPECT_LT(difference_mm(set), 0.01 + 0.1 * gap) << gap;
             EXPECT_EQ(points_of_slice(set, 0), other);
             EXPECT_EQ(set.slices[1].contour_count, 1u);
-            ASSERT_FALSE(settled.empty());
-            const SettledPiece& bridge = *std::max_element(
-                settled.begin(), settled.end(),
-                [](const SettledPiece& p, const SettledPiece& q) { return p.length_mm < q.length_mm; });
+            ASSERT_FALSE(resolved.empty());
+            const ResolvedInterval& bridge = *std::max_element(
+                resolved.begin(), resolved.end(), [](const ResolvedInterval& p, const ResolvedInterval& q) {
+                    return p.length_mm < q.length_mm;
+                });
             EXPECT_EQ(bridge.slice, 1u);
             EXPECT_EQ(bridge.other, 0u);
             EXPECT_TRUE(bridge.inside);
@@ -130,36 +131,36 @@ TEST(SettlePieces, a_narrow_gap_that_one_slice_has_alone_is_bridged_there) {
     }
 }
 
-TEST(SettlePieces, what_is_wider_than_contours_may_be_parted_or_joined_over_stays) {
+TEST(ResolveConflictingIntervals, what_is_wider_than_contours_may_be_parted_or_joined_over_stays) {
     ContourSet set;
     draw(set, 0, {1, 0, 0}, {ellipse({0, 0}, 15, 23)}, 0.2);
     draw(set, 0, {0, 1, 0}, with_gap(6), 0.2);
     const ContourSet before = set;
-    SettlePiecesOptions options;
+    ConflictingIntervalOptions options;
     options.most_parted_mm = 4;
-    const std::vector<SettledPiece> settled = settle(set, options);
-    for (const SettledPiece& piece : settled) EXPECT_LT(piece.length_mm, 1);
+    const std::vector<ResolvedInterval> resolved = resolve(set, options);
+    for (const ResolvedInterval& piece : resolved) EXPECT_LT(piece.length_mm, 1);
     EXPECT_EQ(set.slices[1].contour_count, 2u);
     EXPECT_GT(difference_mm(set), 5);
 }
 
-TEST(SettlePieces, a_neck_that_the_other_slice_lacks_is_parted) {
+TEST(ResolveConflictingIntervals, a_neck_that_the_other_slice_lacks_is_parted) {
     for (const double neck : {0.4, 1.5, 4.0}) {
         ContourSet set;
         draw(set, 0, {1, 0, 0}, {ellipse({0, 0}, 20, 0.5 * neck)}, 0.5);
         draw(set, 0, {0, 1, 0}, {ellipse({14, 0}, 6, 9), ellipse({-14, 0}, 6, 9)}, 0.5);
         ASSERT_NEAR(difference_mm(set), neck, 0.02 * neck);
-        const std::vector<SettledPiece> settled = settle(set);
-        ASSERT_EQ(settled.size(), 1u);
-        EXPECT_FALSE(settled[0].inside);
-        EXPECT_EQ(settled[0].slice, 0u);
+        const std::vector<ResolvedInterval> resolved = resolve(set);
+        ASSERT_EQ(resolved.size(), 1u);
+        EXPECT_FALSE(resolved[0].inside);
+        EXPECT_EQ(resolved[0].slice, 0u);
         EXPECT_EQ(set.slices[0].contour_count, 2u);
         EXPECT_EQ(difference_mm(set), 0);
     }
 }
 
 // The one that is nearer to the line gives way: by as much as it is beyond it, and the clearance.
-TEST(SettlePieces, of_two_changes_the_smaller_is_made) {
+TEST(ResolveConflictingIntervals, of_two_changes_the_smaller_is_made) {
     for (const double beyond : {0.05, 0.3, 0.8}) {
         ContourSet set;
         draw(set, 0, {1, 0, 0}, {{{-12, -25}, {beyond, -25}, {beyond, 25}, {-12, 25}}}, 0.9);
@@ -169,11 +170,11 @@ TEST(SettlePieces, of_two_changes_the_smaller_is_made) {
         }
         draw(set, 0, {0, 1, 0}, two, 0.9);
         const std::vector<Vec3> other = points_of_slice(set, 1);
-        const std::vector<SettledPiece> settled = settle(set);
-        ASSERT_FALSE(settled.empty());
-        const SettledPiece& dent = *std::max_element(
-            settled.begin(), settled.end(),
-            [](const SettledPiece& p, const SettledPiece& q) { return p.length_mm < q.length_mm; });
+        const std::vector<ResolvedInterval> resolved = resolve(set);
+        ASSERT_FALSE(resolved.empty());
+        const ResolvedInterval& dent = *std::max_element(
+            resolved.begin(), resolved.end(),
+            [](const ResolvedInterval& p, const ResolvedInterval& q) { return p.length_mm < q.length_mm; });
         EXPECT_EQ(dent.slice, 0u);
         EXPECT_FALSE(dent.inside);
         EXPECT_LE(dent.farthest_mm, beyond + 0.51);
@@ -183,7 +184,7 @@ TEST(SettlePieces, of_two_changes_the_smaller_is_made) {
 }
 
 // A gap that one slice has against three, each of them at a line of its own, changes none of the three.
-TEST(SettlePieces, a_slice_that_contradicts_several_is_the_one_that_changes) {
+TEST(ResolveConflictingIntervals, a_slice_that_contradicts_several_is_the_one_that_changes) {
     for (const double parted : {10.0, 1.0}) {
         ContourSet set;
         std::vector<Ring> gap = with_gap(3);
@@ -201,16 +202,16 @@ TEST(SettlePieces, a_slice_that_contradicts_several_is_the_one_that_changes) {
         ASSERT_GT(difference_mm(set), 9);
         std::vector<std::vector<Vec3>> before;
         for (const std::uint32_t s : {1u, 2u, 3u}) before.push_back(points_of_slice(set, s));
-        SettlePiecesOptions options;
+        ConflictingIntervalOptions options;
         options.most_parted_mm = parted;
-        std::vector<SettledPiece> settled = settle(set, options);
-        std::erase_if(settled, [](const SettledPiece& piece) { return piece.slice == 0; });
-        EXPECT_TRUE(settled.empty());
+        std::vector<ResolvedInterval> resolved = resolve(set, options);
+        std::erase_if(resolved, [](const ResolvedInterval& piece) { return piece.slice == 0; });
+        EXPECT_TRUE(resolved.empty());
         for (const std::uint32_t s : {1u, 2u, 3u}) EXPECT_EQ(points_of_slice(set, s), before[s - 1]);
     }
 }
 
-TEST(SettlePieces, the_same_at_any_order_of_slices) {
+TEST(ResolveConflictingIntervals, the_same_at_any_order_of_slices) {
     double farthest = 0;
     for (const bool first : {true, false}) {
         ContourSet set;
@@ -218,7 +219,7 @@ TEST(SettlePieces, the_same_at_any_order_of_slices) {
         draw(set, 0, {1, 0, 0}, first ? solid : with_gap(2), 0.4);
         draw(set, 0, {0, 1, 0}, first ? with_gap(2) : solid, 0.4);
         double most = 0;
-        for (const SettledPiece& piece : settle(set)) most = std::max(most, piece.farthest_mm);
+        for (const ResolvedInterval& piece : resolve(set)) most = std::max(most, piece.farthest_mm);
         if (!first) {
             EXPECT_NEAR(most, farthest, 1e-9);
         }
@@ -226,7 +227,7 @@ TEST(SettlePieces, the_same_at_any_order_of_slices) {
     }
 }
 
-TEST(SettlePieces, reconciling_settles_what_moving_leaves_and_says_so) {
+TEST(ResolveConflictingIntervals, reconciling_settles_what_moving_leaves_and_says_so) {
     for (const double gap : {1.5, 30.0}) {
         ContourSet set;
         draw(set, 0, {1, 0, 0}, {ellipse({0, 0}, 30, 20 + 0.5 * gap)}, 0.4);
@@ -241,7 +242,7 @@ TEST(SettlePieces, reconciling_settles_what_moving_leaves_and_says_so) {
         const bool narrow = gap < 2;
         EXPECT_EQ(says("W-RCN-012"), narrow);
         EXPECT_EQ(says("W-RCN-004"), !narrow);
-        EXPECT_EQ(result.value().stats.settled.size(), narrow ? 1u : 0u);
+        EXPECT_EQ(result.value().stats.resolved.size(), narrow ? 1u : 0u);
         EXPECT_EQ(result.value().stats.difference_after_mm == 0, narrow);
         EXPECT_EQ(result.value().kept.slices[1].contour_count, narrow ? 1u : 2u);
     }

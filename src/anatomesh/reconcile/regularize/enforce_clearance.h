@@ -1,4 +1,4 @@
-// keep_apart: contours that movement brought nearly to touch come apart again.
+// enforce_clearance: contours that movement brought nearly to touch come apart again.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace anatomesh {
 
-struct KeptApart {
+struct ClearanceStats {
     std::uint64_t places = 0;
     double farthest_mm = 0;  // that a contour gave way
 };
@@ -21,6 +21,6 @@ struct KeptApart {
 // would not be sound keeps a place as it is. `drawn` is kept up. Requires: a kept contour set, least_mm > 0.
 // Guarantees: a kept contour set, by exact predicates. O(n log n) and O(points of the slice + slices) a
 // place.
-KeptApart keep_apart(ContourSet& set, DrawnPlaces& drawn, double least_mm);
+ClearanceStats enforce_clearance(ContourSet& set, DrawnPlaces& drawn, double least_mm);
 
 }  // namespace anatomesh

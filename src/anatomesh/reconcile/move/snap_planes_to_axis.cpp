@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/move/true_planes.h"
+#include "anatomesh/reconcile/move/snap_planes_to_axis.h"
 
 #include <algorithm>
 #include <array>
@@ -137,8 +137,8 @@ std::uint32_t turn_about_axis(ContourSet& set) {
 
 }  // namespace
 
-TruePlanesStats make_planes_true(ContourSet& set) {
-    TruePlanesStats stats;
+PlaneSnappingStats snap_planes_to_axis(ContourSet& set) {
+    PlaneSnappingStats stats;
     stats.about_axis = turn_about_axis(set);
     for (const Contour& contour : set.contours) {
         const Plane& plane = set.slices[contour.slice].plane;

@@ -1,4 +1,4 @@
-#include "anatomesh/contour/walls/led_contours.h"
+#include "anatomesh/contour/walls/conflated_contours.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace anatomesh {
 
-LedContours::LedContours(const ContourSet& set, const Slice& slice) {
+ConflatedContours::ConflatedContours(const ContourSet& set, const Slice& slice) {
     for (const Contour& contour : set.contours_of(slice)) {
         for (const Vec3& p : set.points_of(contour)) points_.push_back(p);
     }
@@ -18,7 +18,7 @@ LedContours::LedContours(const ContourSet& set, const Slice& slice) {
     points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
     for (const Vec3& p : points_) at_.push_back(slice.plane.to_plane(p));
     for (const Contour& contour : set.contours_of(slice)) {
-        LedContour loop;
+        ConflatedContour loop;
         loop.structure = contour.structure;
         for (const Vec3& p : set.points_of(contour)) loop.drawn.push_back(vertex_of(p));
         loop.vertices = loop.origin = loop.drawn;
@@ -26,11 +26,11 @@ LedContours::LedContours(const ContourSet& set, const Slice& slice) {
     }
 }
 
-void LedStats::add(const LedContours& led, std::uint32_t slice) {
+void ConflationStats::add(const ConflatedContours& led, std::uint32_t slice) {
     bool any = false;
-    for (const LedContour& loop : led.loops()) {
+    for (const ConflatedContour& loop : led.loops()) {
         if (loop.vertices == loop.drawn) continue;
-        const LedContours::Change change = led.change_of(loop);
+        const ConflatedContours::Change change = led.change_of(loop);
         any = true;
         ++contours_changed;
         vertices_taken += change.taken;
@@ -44,7 +44,7 @@ void LedStats::add(const LedContours& led, std::uint32_t slice) {
     slices += any;
 }
 
-LedContours::Change LedContours::change_of(const LedContour& loop) const {
+ConflatedContours::Change ConflatedContours::change_of(const ConflatedContour& loop) const {
     Change change;
     const std::size_t count = loop.vertices.size();
     std::size_t k = 0;  // along the loop, from where a drawn vertex is to where the next is
@@ -84,13 +84,13 @@ LedContours::Change LedContours::change_of(const LedContour& loop) const {
     return change;
 }
 
-void LedContours::append_to(std::vector<Contour>& contours, std::vector<Vec3>& points,
-                            std::uint32_t slice) const {
+void ConflatedContours::append_to(std::vector<Contour>& contours, std::vector<Vec3>& points,
+                                  std::uint32_t slice) const {
     const auto before = [&](std::uint32_t v, std::uint32_t w) {
         return lexicographic_less(points_[v], points_[w]);
     };
     std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> loops;
-    for (const LedContour& loop : loops_) {
+    for (const ConflatedContour& loop : loops_) {
         std::vector<std::uint32_t> vertices = loop.vertices;
         std::rotate(vertices.begin(), std::min_element(vertices.begin(), vertices.end(), before),
                     vertices.end());
@@ -108,7 +108,7 @@ void LedContours::append_to(std::vector<Contour>& contours, std::vector<Vec3>& p
     }
 }
 
-LedContours::Edge LedContours::drawn_segment(const LedContour& loop, std::size_t n) {
+ConflatedContours::Edge ConflatedContours::drawn_segment(const ConflatedContour& loop, std::size_t n) {
     const std::size_t count = loop.vertices.size();
     std::size_t a = n, b = (n + 1) % count;
     while (loop.taken(a)) a = (a + count - 1) % count;
@@ -116,7 +116,7 @@ LedContours::Edge LedContours::drawn_segment(const LedContour& loop, std::size_t
     return {loop.origin[a], loop.origin[b]};
 }
 
-LedContours::PlacedSegments LedContours::segments_of_all() const {
+ConflatedContours::PlacedSegments ConflatedContours::segments_of_all() const {
     PlacedSegments all;
     for (std::uint32_t l = 0; l < loops_.size(); ++l) {
         for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
@@ -127,17 +127,17 @@ LedContours::PlacedSegments LedContours::segments_of_all() const {
     return all;
 }
 
-std::vector<LedContours::Edge> LedContours::owned() const {
+std::vector<ConflatedContours::Edge> ConflatedContours::owned() const {
     std::vector<Edge> pairs;
-    for (const LedContour& loop : loops_) {
+    for (const ConflatedContour& loop : loops_) {
         for (const std::uint32_t v : loop.vertices) pairs.push_back({loop.structure, v});
     }
     std::sort(pairs.begin(), pairs.end());
     return pairs;
 }
 
-std::vector<std::uint8_t> LedContours::hidden(const std::vector<Way>& ways,
-                                              const std::vector<Edge>& segments) const {
+std::vector<std::uint8_t> ConflatedContours::hidden(const std::vector<Way>& ways,
+                                                    const std::vector<Edge>& segments) const {
     std::vector<std::uint8_t> result(ways.size(), 0);
     if (ways.empty()) return result;
     std::vector<Segment2> lines;
@@ -165,7 +165,7 @@ std::vector<std::uint8_t> LedContours::hidden(const std::vector<Way>& ways,
     return result;
 }
 
-std::vector<LedContours::Beside> LedContours::nearest(std::vector<Beside> found) const {
+std::vector<ConflatedContours::Beside> ConflatedContours::nearest(std::vector<Beside> found) const {
     const auto beyond = [](const Beside& x) { return std::max({0.0, -x.along, x.along - 1}); };
     const auto key = [&](const Beside& x) { return Edge{x.vertex, loops_[x.loop].structure}; };
     std::sort(found.begin(), found.end(), [&](const Beside& x, const Beside& y) {
@@ -180,7 +180,7 @@ std::vector<LedContours::Beside> LedContours::nearest(std::vector<Beside> found)
     return found;
 }
 
-void LedContours::put_in(std::vector<Beside> found) {
+void ConflatedContours::put_in(std::vector<Beside> found) {
     std::sort(found.begin(), found.end(), [](const Beside& x, const Beside& y) {
         if (x.loop != y.loop) return x.loop < y.loop;
         if (x.segment != y.segment) return x.segment < y.segment;
@@ -188,7 +188,7 @@ void LedContours::put_in(std::vector<Beside> found) {
     });
     auto next = found.begin();
     for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-        LedContour& loop = loops_[l];
+        ConflatedContour& loop = loops_[l];
         std::vector<std::uint32_t> vertices, origin;
         for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
             vertices.push_back(loop.vertices[n]);
@@ -203,14 +203,14 @@ void LedContours::put_in(std::vector<Beside> found) {
     }
 }
 
-std::vector<LedContours::Place> LedContours::touching(std::size_t first, std::size_t last) const {
+std::vector<ConflatedContours::Place> ConflatedContours::touching(std::size_t first, std::size_t last) const {
     std::vector<Segment2> segments;
     std::vector<Edge> ends;
     std::vector<Place> at, places;
     std::vector<std::pair<std::uint32_t, Place>> by_vertex;
     bool any = false;
     for (std::size_t l = first; l < last; ++l) {
-        const LedContour& loop = loops_[l];
+        const ConflatedContour& loop = loops_[l];
         for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
             at.push_back({static_cast<std::uint32_t>(l), n});
             ends.push_back({loop.vertices[n], loop.next_of(n)});
@@ -251,7 +251,8 @@ std::vector<LedContours::Place> LedContours::touching(std::size_t first, std::si
     return places;
 }
 
-std::vector<LedContours::Place> LedContours::turned_or_nested(std::size_t first, std::size_t last) const {
+std::vector<ConflatedContours::Place> ConflatedContours::turned_or_nested(std::size_t first,
+                                                                          std::size_t last) const {
     std::vector<Place> places;
     std::vector<std::uint8_t> changed(last - first, 0);
     for (std::size_t l = first; l < last; ++l) {
@@ -280,7 +281,7 @@ std::vector<LedContours::Place> LedContours::turned_or_nested(std::size_t first,
     return places;
 }
 
-bool LedContours::drop(std::vector<Place> places) {
+bool ConflatedContours::drop(std::vector<Place> places) {
     if (places.empty()) return false;
     std::sort(places.begin(), places.end());
     // A vertex that several loops share moves back in all of them.
@@ -289,7 +290,7 @@ bool LedContours::drop(std::vector<Place> places) {
         if (!loops_[l].taken(n)) back.push_back(loops_[l].origin[n]);
     std::sort(back.begin(), back.end());
     for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-        LedContour& loop = loops_[l];
+        ConflatedContour& loop = loops_[l];
         std::size_t kept = 0;
         for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
             const bool listed = std::binary_search(places.begin(), places.end(), Place{l, n});
@@ -304,26 +305,26 @@ bool LedContours::drop(std::vector<Place> places) {
     return true;
 }
 
-std::size_t LedContours::end_of_structure(std::size_t first) const {
+std::size_t ConflatedContours::end_of_structure(std::size_t first) const {
     std::size_t last = first + 1;
     while (last < loops_.size() && loops_[last].structure == loops_[first].structure) ++last;
     return last;
 }
 
-std::uint32_t LedContours::vertex_of(Vec3 p) const {
+std::uint32_t ConflatedContours::vertex_of(Vec3 p) const {
     const auto less = [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); };
     return static_cast<std::uint32_t>(std::lower_bound(points_.begin(), points_.end(), p, less) -
                                       points_.begin());
 }
 
-std::vector<Vec2> LedContours::polygon(const std::vector<std::uint32_t>& loop) const {
+std::vector<Vec2> ConflatedContours::polygon(const std::vector<std::uint32_t>& loop) const {
     std::vector<Vec2> points;
     for (const std::uint32_t v : loop) points.push_back(at_[v]);
     return points;
 }
 
 // Of one structure: elsewhere than in a common end.
-bool LedContours::touch(Edge p, Edge q) const {
+bool ConflatedContours::touch(Edge p, Edge q) const {
     const SegmentContact contact = segment_contact(at_[p[0]], at_[p[1]], at_[q[0]], at_[q[1]]);
     const bool joined = has(q, p[0]) || has(q, p[1]);
     return joined ? contact == SegmentContact::overlap : contact != SegmentContact::none;

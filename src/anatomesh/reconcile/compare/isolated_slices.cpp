@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/compare/stray_slices.h"
+#include "anatomesh/reconcile/compare/isolated_slices.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,8 +38,9 @@ std::optional<double> gap_of(const LineComparison& c) {
 
 }  // namespace
 
-std::vector<StraySlice> find_stray_slices(const ContourSet& set, const std::vector<PlanePatch>& patches,
-                                          std::span<const LineComparison> comparisons, RunContext& context) {
+std::vector<IsolatedSlice> find_isolated_slices(const ContourSet& set, const std::vector<PlanePatch>& patches,
+                                                std::span<const LineComparison> comparisons,
+                                                RunContext& context) {
     std::vector<bool> is_met(set.slices.size(), false);
     for (const LineComparison& c : comparisons) {
         if (gap_of(c) == 0.0) is_met[c.a] = is_met[c.b] = true;
@@ -55,26 +56,27 @@ std::vector<StraySlice> find_stray_slices(const ContourSet& set, const std::vect
                 pairs.emplace_back(a, b);
         }
     }
-    std::vector<StraySlice> found(set.slices.size());
+    std::vector<IsolatedSlice> found(set.slices.size());
     for (const LineComparison& c :
          compare_planes(set, patches, pairs, std::numeric_limits<double>::infinity(), context)) {
         const std::optional<double> gap = gap_of(c);
         if (!gap) continue;
         if (*gap == 0) is_met[c.a] = is_met[c.b] = true;
         for (const auto& [own, other] : {std::pair(c.a, c.b), std::pair(c.b, c.a)}) {
-            StraySlice& stray = found[own];
-            if (stray.others++ == 0 || *gap < stray.gap_mm) stray.nearest = other, stray.gap_mm = *gap;
+            IsolatedSlice& isolated = found[own];
+            if (isolated.others++ == 0 || *gap < isolated.gap_mm)
+                isolated.nearest = other, isolated.gap_mm = *gap;
         }
     }
-    std::vector<StraySlice> strays;
+    std::vector<IsolatedSlice> isolated;
     for (std::uint32_t s = 0; s < found.size(); ++s) {
         if (is_met[s] || found[s].others == 0) continue;
         // One that is elsewhere than many is named, not each of the many.
         if (found[s].others == 1 && !is_met[found[s].nearest] && found[found[s].nearest].others > 1) continue;
-        strays.push_back(found[s]);
-        strays.back().slice = s;
+        isolated.push_back(found[s]);
+        isolated.back().slice = s;
     }
-    return strays;
+    return isolated;
 }
 
 }  // namespace anatomesh

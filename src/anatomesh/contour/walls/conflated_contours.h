@@ -1,4 +1,4 @@
-// LedContours: the contours of one slice, led through vertices of one another; what close_gaps and
+// ConflatedContours: the contours of one slice, led through vertices of one another; what close_gaps and
 // share_lines have in common.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/contour/overlay/segment_index.h"
-#include "anatomesh/contour/walls/led_stats.h"
+#include "anatomesh/contour/walls/conflation_stats.h"
 
 namespace anatomesh {
 
@@ -17,7 +17,7 @@ constexpr std::uint32_t no_vertex = 0xFFFFFFFFu;
 
 // A contour as vertices of its slice: as drawn, and with those taken from others in between. A drawn vertex
 // may have moved onto another one.
-struct LedContour {
+struct ConflatedContour {
     std::uint32_t structure = 0;
     std::vector<std::uint32_t> drawn;
     std::vector<std::uint32_t> vertices;
@@ -32,7 +32,7 @@ struct LedContour {
     }
 };
 
-class LedContours {
+class ConflatedContours {
   public:
     using Edge = std::array<std::uint32_t, 2>;   // vertices
     using Place = std::array<std::uint32_t, 2>;  // loop, number of a vertex or segment in it
@@ -50,19 +50,19 @@ class LedContours {
         double area_mm2 = 0;                 // between both, counted on either side
     };
 
-    LedContours(const ContourSet& set, const Slice& slice);
+    ConflatedContours(const ContourSet& set, const Slice& slice);
 
     // Their order is that of the slice's contours.
-    const std::vector<LedContour>& loops() const { return loops_; }
+    const std::vector<ConflatedContour>& loops() const { return loops_; }
     Vec3 point(std::uint32_t vertex) const { return points_[vertex]; }
-    Change change_of(const LedContour& loop) const;
+    Change change_of(const ConflatedContour& loop) const;
 
     // Appends the contours to a set whose slice number this one gets, each from its smallest vertex on.
     void append_to(std::vector<Contour>& contours, std::vector<Vec3>& points, std::uint32_t slice) const;
 
   protected:
     // The drawn ends of the segment that this one is a part of, or was led away from.
-    static Edge drawn_segment(const LedContour& loop, std::size_t n);
+    static Edge drawn_segment(const ConflatedContour& loop, std::size_t n);
 
     // In lengths of the segment, 0 at a and 1 at b, beyond them too.
     static double along(Vec2 p, Vec2 a, Vec2 b) { return dot(p - a, b - a) / dot(b - a, b - a); }
@@ -105,7 +105,7 @@ class LedContours {
 
     std::vector<Vec3> points_;  // of the slice, distinct, in lexicographic order; then those that were made
     std::vector<Vec2> at_;
-    std::vector<LedContour> loops_;
+    std::vector<ConflatedContour> loops_;
 
   private:
     std::uint32_t vertex_of(Vec3 p) const;
@@ -115,11 +115,11 @@ class LedContours {
 
 // The set with what `lead(slice number)` makes of the contours of each slice, if it changes any.
 template <class Lead>
-void lead_slices(ContourSet& set, LedStats& stats, Lead&& lead) {
+void lead_slices(ContourSet& set, ConflationStats& stats, Lead&& lead) {
     std::vector<Contour> contours;
     std::vector<Vec3> points;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        const LedContours led = lead(s);
+        const ConflatedContours led = lead(s);
         stats.add(led, s);
         led.append_to(contours, points, s);
     }

@@ -1,5 +1,5 @@
-// settle_pieces: slices that still differ on a piece of their common line come to agree by a small change of
-// one of them.
+// resolve_conflicting_intervals: slices that still differ on a piece of their common line come to agree by a
+// small change of one of them.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace anatomesh {
 
-struct SettlePiecesOptions {
+struct ConflictingIntervalOptions {
     // Beside the line so much is given or taken, less for short pieces: nearer to it two planes are so close
     // to each other that no cells of any shape fit between. mm, above 0
     double clearance_mm = 0.5;
@@ -25,7 +25,7 @@ struct SettlePiecesOptions {
 };
 
 // A structure of a slice that was changed for the sake of another slice.
-struct SettledPiece {
+struct ResolvedInterval {
     std::uint32_t slice = 0, structure = 0, other = 0;
     bool inside = false;     // whether the structure came to have the piece, or lost it
     bool parts = false;      // whether contours were parted or joined, or came or went as a whole
@@ -50,8 +50,10 @@ using CompareSlices = std::function<std::vector<LineComparison>(const ContourSet
 // Requires: a kept contour set, `comparisons` of it. Guarantees: a kept contour set again, by exact
 // predicates; nothing changes where slices agree. Returns what was changed, in order. Deterministic.
 // Complexity: a comparison of all slices for each change. No earlier method is followed.
-std::vector<SettledPiece> settle_pieces(ContourSet& set, DrawnPlaces& drawn,
-                                        std::vector<LineComparison> comparisons, const CompareSlices& compare,
-                                        const SettlePiecesOptions& options, RunContext& context);
+std::vector<ResolvedInterval> resolve_conflicting_intervals(ContourSet& set, DrawnPlaces& drawn,
+                                                            std::vector<LineComparison> comparisons,
+                                                            const CompareSlices& compare,
+                                                            const ConflictingIntervalOptions& options,
+                                                            RunContext& context);
 
 }  // namespace anatomesh

@@ -7,7 +7,7 @@
 
 namespace anatomesh {
 
-struct TruePlanesStats {
+struct PlaneSnappingStats {
     std::uint32_t about_axis = 0;  // planes that were led through one axis
     std::uint64_t points = 0;      // put onto their planes
     double farthest_mm = 0;        // of them
@@ -21,6 +21,6 @@ struct TruePlanesStats {
 // comes to lie farther than that from its plane; and points go onto their planes, along the normal. What is
 // exact stays as it is. Requires: a kept set. Same result for any order of its slices but for rounding.
 // Complexity: O(points + slices^2).
-TruePlanesStats make_planes_true(ContourSet& set);
+PlaneSnappingStats snap_planes_to_axis(ContourSet& set);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/regularize/settle_poles.h"
+#include "anatomesh/reconcile/regularize/regularize_fans.h"
 
 #include <gtest/gtest.h>
 
@@ -27,9 +27,9 @@ using Slope = std::function<double(double azimuth, int leg)>;
 struct Fan {
     ContourSet set;
     DrawnPlaces drawn;
-    PoleStats settle(double most_moved_mm = 10) {
+    FanStats regularize(double most_moved_mm = 10) {
         drawn = drawn_places(set);
-        return settle_poles(set, drawn, {radius, 70, most_moved_mm});
+        return regularize_fans(set, drawn, {radius, 70, most_moved_mm});
     }
 };
 
@@ -131,7 +131,7 @@ Slope zigzag(double tilt, double azimuth, double height) {
 }
 
 // A contour that branches next to the pole keeps its leg; the others are turned as far out as without it.
-TEST(SettlePoles, one_leg_without_room_does_not_take_that_of_the_others) {
+TEST(RegularizeFans, one_leg_without_room_does_not_take_that_of_the_others) {
     for (const double branch : {0.03 * radius, 0.3 * radius}) {
         Fan fan = fan_of(
             10, zigzag(0, 0, 0.5), [](int) { return false; }, branch);
@@ -140,7 +140,7 @@ TEST(SettlePoles, one_leg_without_room_does_not_take_that_of_the_others) {
                                         [&](Vec3 p) { return std::abs(length(p) - branch) < 1e-9; });
         ASSERT_NE(found, points.end());
         const Vec3 near = *found;
-        EXPECT_EQ(fan.settle().poles, 1u);
+        EXPECT_EQ(fan.regularize().poles, 1u);
         EXPECT_TRUE(has(fan.set, 0, 0, near));
         EXPECT_TRUE(has(fan.set, 0, 1, near));
         std::size_t turned = 0;
@@ -155,20 +155,20 @@ TEST(SettlePoles, one_leg_without_room_does_not_take_that_of_the_others) {
 }
 
 // A contour that lies within the radius altogether has no leg: nothing is turned, and it ends.
-TEST(SettlePoles, a_contour_smaller_than_the_radius_has_no_legs) {
+TEST(RegularizeFans, a_contour_smaller_than_the_radius_has_no_legs) {
     Fan fan = fan_of(10, zigzag(0, 0, 0.5));
     const Plane plane = make_plane({}, {1, 0, 0});
     fan.set.slices.push_back({plane, static_cast<std::uint32_t>(fan.set.contours.size()), 0, "small"});
     const double side = 0.2 * radius;
     add_ring(fan.set, plane, 0, {{}, {0, side, -side}, {0, -side, -side}});
     const ContourSet before = fan.set;
-    EXPECT_EQ(fan.settle().poles, 0u);
+    EXPECT_EQ(fan.regularize().poles, 0u);
     EXPECT_EQ(fan.set.points, before.points);
 }
 
 // A surface that runs nearly along the line: its legs come near to each other.
-TEST(SettlePoles, what_runs_along_the_line_leaves_it_at_an_angle) {
-    const double steepest = PoleOptions{}.steepest_degrees, least_turn = 3;
+TEST(RegularizeFans, what_runs_along_the_line_leaves_it_at_an_angle) {
+    const double steepest = FanOptions{}.steepest_degrees, least_turn = 3;
     for (const int planes : {8, 12, 20}) {
         for (const double tilt_degrees : {70.0, 73.0, 75.0}) {
             const double tilt = tilt_degrees * pi / 180, turn = 0.37 * pi / planes;
@@ -176,7 +176,7 @@ TEST(SettlePoles, what_runs_along_the_line_leaves_it_at_an_angle) {
                 return std::atan(std::tan(tilt) * std::cos(azimuth - turn));
             });
             const ContourSet before = fan.set;
-            EXPECT_EQ(fan.settle().poles, 1u);
+            EXPECT_EQ(fan.regularize().poles, 1u);
             std::size_t legs = 0, turned = 0;
             for (const Contour& contour : fan.set.contours) {
                 const auto points = fan.set.points_of(contour);
@@ -204,7 +204,7 @@ TEST(SettlePoles, what_runs_along_the_line_leaves_it_at_an_angle) {
     }
 }
 
-TEST(SettlePoles, what_rises_and_falls_from_plane_to_plane_goes) {
+TEST(RegularizeFans, what_rises_and_falls_from_plane_to_plane_goes) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> unit(0, 1);
     for (int n = 0; n < 40; ++n) {
@@ -212,7 +212,7 @@ TEST(SettlePoles, what_rises_and_falls_from_plane_to_plane_goes) {
         Fan fan = fan_of(planes, zigzag(0.6 * unit(random), 2 * pi * unit(random), 0.5));
         const ContourSet before = fan.set;
         ASSERT_LT(sharpest(before), 60);
-        const PoleStats stats = fan.settle();
+        const FanStats stats = fan.regularize();
         EXPECT_EQ(stats.poles, 1u);
         EXPECT_GT(stats.highest_mm, 0.1 * radius);
         EXPECT_LT(stats.highest_mm, 0.6 * radius);
@@ -238,7 +238,7 @@ TEST(SettlePoles, what_rises_and_falls_from_plane_to_plane_goes) {
     }
 }
 
-TEST(SettlePoles, slopes_ridges_and_cones_keep_their_bits) {
+TEST(RegularizeFans, slopes_ridges_and_cones_keep_their_bits) {
     const std::vector<Slope> smooth{
         [](double, int) { return 0.0; },
         [](double, int) { return 0.8; },
@@ -250,25 +250,25 @@ TEST(SettlePoles, slopes_ridges_and_cones_keep_their_bits) {
         for (const int planes : {4, 8, 13, 20}) {
             Fan fan = fan_of(planes, slope);
             const std::vector<Vec3> before = fan.set.points;
-            EXPECT_EQ(fan.settle().poles, 0u);
+            EXPECT_EQ(fan.regularize().poles, 0u);
             EXPECT_EQ(fan.set.points, before);
         }
     }
 }
 
-TEST(SettlePoles, three_planes_through_a_line_stay) {
+TEST(RegularizeFans, three_planes_through_a_line_stay) {
     Fan fan = fan_of(3, zigzag(0, 0, 1.2));
     const std::vector<Vec3> before = fan.set.points;
     ASSERT_LT(sharpest(fan.set), 70);
-    EXPECT_EQ(fan.settle().poles, 0u);
+    EXPECT_EQ(fan.regularize().poles, 0u);
     EXPECT_EQ(fan.set.points, before);
 }
 
 // Also where the other structure has legs on some of the planes only.
-TEST(SettlePoles, walls_stay_shared) {
+TEST(RegularizeFans, walls_stay_shared) {
     for (const int every : {1, 2, 3, 6}) {
         Fan fan = fan_of(12, zigzag(0.3, 1, 0.5), [&](int k) { return k % every == 0; });
-        EXPECT_EQ(fan.settle().poles, 1u);
+        EXPECT_EQ(fan.regularize().poles, 1u);
         expect_sound(fan.set);
         std::size_t shared = 0;
         for (const Contour& contour : fan.set.contours) {
@@ -283,7 +283,7 @@ TEST(SettlePoles, walls_stay_shared) {
     }
 }
 
-TEST(SettlePoles, a_slice_that_would_not_be_sound_keeps_its_contours) {
+TEST(RegularizeFans, a_slice_that_would_not_be_sound_keeps_its_contours) {
     Fan fan = fan_of(12, zigzag(0, 0, 0.5));
     // Just below the leg of slice 0, which comes down.
     const double slope = std::tan(0.5);
@@ -310,7 +310,7 @@ TEST(SettlePoles, a_slice_that_would_not_be_sound_keeps_its_contours) {
     }
     fan.set = set;
     expect_sound(fan.set);
-    fan.settle();
+    fan.regularize();
     expect_sound(fan.set);
     for (const std::uint32_t contour : {0u, 1u})
         EXPECT_EQ(fan.set.contours[contour].point_count, set.contours[contour].point_count);
@@ -318,7 +318,7 @@ TEST(SettlePoles, a_slice_that_would_not_be_sound_keeps_its_contours) {
     EXPECT_EQ(fan.drawn.at.size(), fan.set.points.size());
 }
 
-TEST(SettlePoles, no_vertex_moves_further_than_it_may) {
+TEST(RegularizeFans, no_vertex_moves_further_than_it_may) {
     const auto with_inner_vertices = [] {
         Fan fan = fan_of(12, zigzag(0, 0, 0.5));
         ContourSet set = fan.set;
@@ -341,7 +341,7 @@ TEST(SettlePoles, no_vertex_moves_further_than_it_may) {
     for (const double most : {0.01, 10.0}) {
         Fan fan = with_inner_vertices();
         const std::size_t before = fan.set.points.size();
-        const PoleStats stats = fan.settle(most);
+        const FanStats stats = fan.regularize(most);
         double furthest = 0;
         for (std::size_t k = 0; k < fan.set.points.size(); ++k) {
             if (fan.drawn.is_drawn[k])
@@ -357,18 +357,18 @@ TEST(SettlePoles, no_vertex_moves_further_than_it_may) {
 }
 
 // Nor does what is put in, where no vertex lies within the radius.
-TEST(SettlePoles, no_leg_without_vertices_is_turned_further_either) {
+TEST(RegularizeFans, no_leg_without_vertices_is_turned_further_either) {
     for (const double most : {0.01, 10.0}) {
         Fan fan = fan_of(12, zigzag(0.3, 1, 0.5));
         const std::vector<Vec3> before = fan.set.points;
-        const PoleStats stats = fan.settle(most);
+        const FanStats stats = fan.regularize(most);
         EXPECT_LE(stats.highest_mm, most);
         EXPECT_EQ(stats.poles, most < 1 ? 0u : 1u);
         EXPECT_EQ(fan.set.points == before, most < 1);
     }
 }
 
-TEST(SettlePoles, C25_reconciling_settles_them_and_says_so) {
+TEST(RegularizeFans, C25_reconciling_settles_them_and_says_so) {
     const auto codes = [](const ContourSet& set, bool reconcile, ReconcileStats& stats) {
         RunContext context;
         ReconcileOptions options;

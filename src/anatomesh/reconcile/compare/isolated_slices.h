@@ -1,4 +1,5 @@
-// find_stray_slices: slices that have nothing in common with any slice whose drawn region their own crosses.
+// find_isolated_slices: slices that have nothing in common with any slice whose drawn region their own
+// crosses.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +13,21 @@
 
 namespace anatomesh {
 
-struct StraySlice {
+struct IsolatedSlice {
     std::uint32_t slice = 0;
     std::uint32_t nearest = 0;  // of the slices that draw one of its structures elsewhere on the common line
     std::uint32_t others = 0;   // how many of them there are
     double gap_mm = 0;          // along the line, to what the nearest draws
 };
 
-// A slice is a stray where on the common line with one slice or more both draw the same structure, and
+// A slice is isolated where on the common line with one slice or more both draw the same structure, and
 // nowhere do the two have anything of it in common: too far apart to contradict each other, since beyond its
 // own contours neither says anything, they may be two parts of a structure as well as one of them out of
 // place. One that is such by a single other, which is so by several, is left out. In order of slices.
 // `comparisons`: of the set (compare_planes). Complexity: O(slices^2) with a small factor, and that of
 // compare_planes for pairs whose patches each pass through the plane of the other.
-std::vector<StraySlice> find_stray_slices(const ContourSet& set, const std::vector<PlanePatch>& patches,
-                                          std::span<const LineComparison> comparisons, RunContext& context);
+std::vector<IsolatedSlice> find_isolated_slices(const ContourSet& set, const std::vector<PlanePatch>& patches,
+                                                std::span<const LineComparison> comparisons,
+                                                RunContext& context);
 
 }  // namespace anatomesh

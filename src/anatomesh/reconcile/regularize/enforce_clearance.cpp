@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/regularize/keep_apart.h"
+#include "anatomesh/reconcile/regularize/enforce_clearance.h"
 
 #include <algorithm>
 #include <cassert>
@@ -65,7 +65,7 @@ class SliceKeeper {
         }
     }
 
-    KeptApart run() {
+    ClearanceStats run() {
         for (int pass = 0; pass < most_passes; ++pass) {
             bool any = false;
             for (const Touch& touch : touches()) any |= part(touch);
@@ -203,19 +203,19 @@ class SliceKeeper {
     const Plane& plane_;
     const double least_mm_;
     std::vector<Loop> loops_;
-    KeptApart kept_;
+    ClearanceStats kept_;
 };
 
 }  // namespace
 
-KeptApart keep_apart(ContourSet& set, DrawnPlaces& drawn, double least_mm) {
+ClearanceStats enforce_clearance(ContourSet& set, DrawnPlaces& drawn, double least_mm) {
     assert(least_mm > 0);
-    KeptApart kept;
+    ClearanceStats kept;
     std::vector<std::vector<Vec3>> points(set.contours.size());
     DrawnPlaces now;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
         SliceKeeper keeper(set, drawn, s, least_mm);
-        const KeptApart of_slice = keeper.run();
+        const ClearanceStats of_slice = keeper.run();
         kept.places += of_slice.places;
         kept.farthest_mm = std::max(kept.farthest_mm, of_slice.farthest_mm);
         std::size_t c = set.slices[s].first_contour;

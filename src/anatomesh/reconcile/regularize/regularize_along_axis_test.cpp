@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/regularize/settle_flanks.h"
+#include "anatomesh/reconcile/regularize/regularize_along_axis.h"
 
 #include <gtest/gtest.h>
 
@@ -54,9 +54,10 @@ double distance_at(const ContourSet& set, int half) {
     return least;
 }
 
-FlankStats settle(ContourSet& set, const ContourSet& drawn_set, double bound = 10) {
+AlongAxisStats regularize(ContourSet& set, const ContourSet& drawn_set, double bound = 10) {
     DrawnPlaces drawn = drawn_places(drawn_set);
-    const FlankStats stats = settle_flanks(set, drawn, FlankBounds(set.slices.size(), bound), {1.5, 70, 10});
+    const AlongAxisStats stats =
+        regularize_along_axis(set, drawn, AlongAxisBounds(set.slices.size(), bound), {1.5, 70, 10});
     EXPECT_EQ(drawn.at.size(), set.points.size());
     for (const Slice& slice : set.slices)
         EXPECT_TRUE(slice_faults(plane_rings(set, slice), set.exclusive).empty());
@@ -70,14 +71,14 @@ double angle_between(double r, double a, double b) {
     return std::acos(dot(p, q) / length(p) / length(q)) * 180 / std::numbers::pi;
 }
 
-TEST(SettleFlanks, a_slit_and_a_fin_beside_the_line_go_as_far_as_they_are_sharp) {
+TEST(RegularizeAlongAxis, a_slit_and_a_fin_beside_the_line_go_as_far_as_they_are_sharp) {
     for (const double own : {0.05, 0.2, 0.4, 1.4}) {
         for (const int half : {3, 17}) {
             const double others = own < 1 ? 1 : 0.5;
             ContourSet set = channel([&](int n) { return n == half ? own : others; });
             const ContourSet before = set;
             ASSERT_LT(angle_between(own, others, others), 70);
-            const FlankStats stats = settle(set, before);
+            const AlongAxisStats stats = regularize(set, before);
             EXPECT_GT(stats.points, 0u);
             const double now = distance_at(set, half);
             EXPECT_GE(angle_between(now, others, others), 69.9) << own;
@@ -96,7 +97,7 @@ TEST(SettleFlanks, a_slit_and_a_fin_beside_the_line_go_as_far_as_they_are_sharp)
 }
 
 // On it, or over it by rounding: it is a flank as any other.
-TEST(SettleFlanks, a_fin_that_begins_on_the_line_goes_too) {
+TEST(RegularizeAlongAxis, a_fin_that_begins_on_the_line_goes_too) {
     const int half = 3;
     const double angle = std::numbers::pi * half / planes;
     const Vec3 out{std::cos(angle), std::sin(angle), 0};
@@ -106,7 +107,7 @@ TEST(SettleFlanks, a_fin_that_begins_on_the_line_goes_too) {
             if (p.z == 10 && std::abs(dot(p, out) - 0.1) < 1e-9) p = p + (end - dot(p, out)) * out;
         }
         const ContourSet before = set;
-        settle(set, before);
+        regularize(set, before);
         int between = 0;
         for (const Vec3& p : set.points) {
             if (p.z < 3.5 || p.z > 9.5) continue;
@@ -117,29 +118,29 @@ TEST(SettleFlanks, a_fin_that_begins_on_the_line_goes_too) {
     }
 }
 
-TEST(SettleFlanks, slopes_over_several_planes_and_what_is_far_from_the_line_keep_their_bits) {
+TEST(RegularizeAlongAxis, slopes_over_several_planes_and_what_is_far_from_the_line_keep_their_bits) {
     const std::function<double(int)> shapes[] = {
         [](int) { return 0.1; }, [](int n) { return 0.5 + 0.3 * std::sin(n * std::numbers::pi / planes); },
         [](int n) { return n % 2 == 0 ? 5.0 : 3.0; }};
     for (const auto& shape : shapes) {
         ContourSet set = channel(shape);
         const ContourSet before = set;
-        EXPECT_EQ(settle(set, before).points, 0u);
+        EXPECT_EQ(regularize(set, before).points, 0u);
         EXPECT_EQ(set.points, before.points);
     }
 }
 
-TEST(SettleFlanks, three_planes_are_no_line_of_many) {
+TEST(RegularizeAlongAxis, three_planes_are_no_line_of_many) {
     ContourSet set = channel([](int n) { return n == 1 ? 0.1 : 1.0; }, 3);
     const ContourSet before = set;
-    EXPECT_EQ(settle(set, before).points, 0u);
+    EXPECT_EQ(regularize(set, before).points, 0u);
     EXPECT_EQ(set.points, before.points);
 }
 
-TEST(SettleFlanks, what_rises_and_falls_by_turns_is_settled_and_stays_off_the_line) {
+TEST(RegularizeAlongAxis, what_rises_and_falls_by_turns_is_settled_and_stays_off_the_line) {
     ContourSet set = channel([](int n) { return n % 2 == 0 ? 0.05 : 1.2; });
     const ContourSet before = set;
-    EXPECT_GT(settle(set, before).points, 0u);
+    EXPECT_GT(regularize(set, before).points, 0u);
     for (int n = 0; n < 2 * planes; ++n) {
         const double r = distance_at(set, n), a = distance_at(set, (n + 1) % (2 * planes)),
                      b = distance_at(set, (n + 2 * planes - 1) % (2 * planes));
@@ -148,16 +149,16 @@ TEST(SettleFlanks, what_rises_and_falls_by_turns_is_settled_and_stays_off_the_li
     }
 }
 
-TEST(SettleFlanks, no_vertex_moves_further_than_it_may) {
+TEST(RegularizeAlongAxis, no_vertex_moves_further_than_it_may) {
     ContourSet set = channel([](int n) { return n == 4 ? 0.1 : 1.0; });
     const ContourSet before = set;
-    const FlankStats stats = settle(set, before, 0.1);
+    const AlongAxisStats stats = regularize(set, before, 0.1);
     EXPECT_GT(stats.points, 0u);
     EXPECT_LE(stats.farthest_mm, 0.1 + 1e-12);
     EXPECT_NEAR(distance_at(set, 4), 0.2, 1e-9);
     // Slices that agreed as drawn keep theirs.
     ContourSet exact = before;
-    EXPECT_EQ(settle(exact, before, 0).points, 0u);
+    EXPECT_EQ(regularize(exact, before, 0).points, 0u);
     EXPECT_EQ(exact.points, before.points);
 }
 
