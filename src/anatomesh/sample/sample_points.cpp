@@ -245,14 +245,14 @@ std::vector<int> segment_levels(const std::vector<ContourSegment>& segments, con
                                 const StructureField& field, double size, int threads) {
     std::vector<int> levels(segments.size(), 0);
     parallel_for(segments.size(), 256, threads, [&](std::size_t first, std::size_t last) {
-        const WallGauge gauge(field, thin_wall * size);
+        const LocalThickness local_thickness(field, thin_wall * size);
         for (std::size_t n = first; n < last; ++n) {
             const Vec3 middle = 0.5 * (points[segments[n].a] + points[segments[n].b]);
             for (const std::uint32_t structure : segments[n].structures) {
-                const auto normal = gauge.normal(structure, middle);
+                const auto normal = local_thickness.normal(structure, middle);
                 if (normal)
-                    levels[n] =
-                        std::max(levels[n], level_of(gauge.thickness(structure, middle, *normal), size));
+                    levels[n] = std::max(
+                        levels[n], level_of(local_thickness.thickness(structure, middle, *normal), size));
             }
         }
     });
@@ -391,13 +391,14 @@ void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>&
     std::vector<std::uint8_t> allowed(near.size(), 0);
     parallel_for(near.size(), 1024, threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
-        const WallGauge gauge(field, thin_wall * size);
+        const LocalThickness local_thickness(field, thin_wall * size);
         std::vector<std::uint32_t> changed;
         for (std::size_t n = first; n < last; ++n) {
             const Vec3 p = lattice.position(near[n].i, near[n].j, near[n].k);
             moved[n] = probe.project(p, 2.0 * surface_band * size, position_tolerance * size);
             if (!moved[n]) continue;
-            if (const auto thickness = thickness_beside(p, *moved[n], gauge, probe, structures, changed)) {
+            if (const auto thickness =
+                    thickness_beside(p, *moved[n], local_thickness, probe, structures, changed)) {
                 levels[n] = level_of(*thickness, size);
             }
             allowed[n] = protected_segments.allows(*moved[n], protected_spacing * size);
@@ -427,7 +428,7 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
         std::vector<std::optional<Vec3>> moved(sites.size());
         parallel_for(sites.size(), 256, threads, [&](std::size_t first, std::size_t last) {
             InterfaceProbe probe(field, structures);
-            const WallGauge gauge(field, thin_wall * size);
+            const LocalThickness local_thickness(field, thin_wall * size);
             std::vector<std::uint32_t> changed;
             for (std::size_t n = first; n < last; ++n) {
                 if (probe.look(sites[n], surface_band * local).distance >= surface_band * local) continue;
@@ -440,7 +441,7 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
                 }
                 // A spot's neighbourhood may be thicker than the spot.
                 const auto thickness =
-                    thickness_beside(sites[n], *moved[n], gauge, probe, structures, changed);
+                    thickness_beside(sites[n], *moved[n], local_thickness, probe, structures, changed);
                 if (thickness && level_of(0.8 * *thickness, size) < level) moved[n].reset();
             }
         });

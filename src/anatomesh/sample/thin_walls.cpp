@@ -22,21 +22,22 @@ int level_of(double thickness, double size) {
                       max_thin_level);
 }
 
-std::optional<double> thickness_beside(Vec3 p, Vec3 surface, const WallGauge& gauge, InterfaceProbe& probe,
-                                       std::uint32_t structures, std::vector<std::uint32_t>& changed) {
-    const double moved = length(surface - p), off = just_off * gauge.reach();
+std::optional<double> thickness_beside(Vec3 p, Vec3 surface, const LocalThickness& local_thickness,
+                                       InterfaceProbe& probe, std::uint32_t structures,
+                                       std::vector<std::uint32_t>& changed) {
+    const double moved = length(surface - p), off = just_off * local_thickness.reach();
     if (!(moved > 0.1 * off)) return std::nullopt;
     const Vec3 away = (1.0 / moved) * (surface - p);
     const std::vector<std::uint32_t> before = probe.members(p);
-    if (structures == 1) return gauge.thickness(0, surface, before.empty() ? -1.0 * away : away);
+    if (structures == 1) return local_thickness.thickness(0, surface, before.empty() ? -1.0 * away : away);
     const std::vector<std::uint32_t>& after = probe.members(surface + off * away);
     changed.clear();
     std::set_symmetric_difference(before.begin(), before.end(), after.begin(), after.end(),
                                   std::back_inserter(changed));
-    double least = gauge.reach();
+    double least = local_thickness.reach();
     for (const std::uint32_t structure : changed) {
         const bool leaving = std::binary_search(before.begin(), before.end(), structure);
-        least = std::min(least, gauge.thickness(structure, surface, leaving ? away : -1.0 * away));
+        least = std::min(least, local_thickness.thickness(structure, surface, leaving ? away : -1.0 * away));
     }
     return least;
 }

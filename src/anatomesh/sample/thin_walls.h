@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "anatomesh/sample/interface_probe.h"
-#include "anatomesh/sample/wall_gauge.h"
+#include "anatomesh/sample/local_thickness.h"
 
 namespace anatomesh {
 
@@ -24,8 +24,9 @@ int level_of(double thickness, double size);
 
 // The thickness at `surface`, where a lattice point p was moved to, of every structure whose surface lies there: the
 // smallest. Nothing when p moved too little to tell the direction. `changed` is scratch space.
-std::optional<double> thickness_beside(Vec3 p, Vec3 surface, const WallGauge& gauge, InterfaceProbe& probe,
-                                       std::uint32_t structures, std::vector<std::uint32_t>& changed);
+std::optional<double> thickness_beside(Vec3 p, Vec3 surface, const LocalThickness& local_thickness,
+                                       InterfaceProbe& probe, std::uint32_t structures,
+                                       std::vector<std::uint32_t>& changed);
 
 // The points of the body-centred cubic lattice of edge length size / 2^level within 0.7 sizes of the spots of this level
 // or a finer one, each once, in a fixed order. Complexity: O(n log n) in the sites.

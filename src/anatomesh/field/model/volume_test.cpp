@@ -153,7 +153,7 @@ ContourSet leaning_blocks(bool exclusive) {
 }
 
 // A ball with a void, and two balls of which one ends first, at several positions of the slices: what ends in
-// a dome counts as every point of it does, and the whole has the volume of its slices.
+// a paraboloid cap counts as every point of it does, and the whole has the volume of its slices.
 TEST(FieldVolumes, what_ends_in_a_dome_equals_the_count_of_every_point) {
     for (const bool is_void : {true, false}) {
         for (int n = 0; n < 5; ++n) {

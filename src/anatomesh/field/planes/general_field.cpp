@@ -10,7 +10,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/field/model/field_queries.h"
-#include "anatomesh/field/planes/slants.h"
+#include "anatomesh/field/planes/obliquity.h"
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/slice_regions.h"
 #include "anatomesh/field/stack/caps.h"
@@ -25,12 +25,12 @@ namespace {
 
 constexpr std::uint32_t most_near = 16;  // patches that a query takes into account: the nearest
 constexpr std::uint32_t no_structure = 0xffffffffu, no_patch = no_structure;
-constexpr double most_widened = 3;        // times the usual, the radius within which patches count
-constexpr double most_gap = 2;            // spacings: no end is told by wider ones
-constexpr std::size_t few_listed = 6;     // patches, among which hidden ones cost nothing
-constexpr double slant_cell = 1.0 / 6;    // of the grids of slants, a share of the clamp
-constexpr double least_share = 0.01;      // of a patch that others hide: less is nothing
-constexpr double fade_of_outside = 0.01;  // weight of outside at the radius
+constexpr double most_widened = 3;          // times the usual, the radius within which patches count
+constexpr double most_gap = 2;              // spacings: no end is told by wider ones
+constexpr std::size_t few_listed = 6;       // patches, among which hidden ones cost nothing
+constexpr double obliquity_cell = 1.0 / 6;  // of the grids of obliquity factors, a share of the clamp
+constexpr double least_share = 0.01;        // of a patch that others hide: less is nothing
+constexpr double fade_of_outside = 0.01;    // weight of outside at the radius
 constexpr double never = -std::numeric_limits<double>::infinity();
 
 // A patch with what its side of the sweep is: whether no other patch within the radius lies beyond it.
@@ -47,13 +47,13 @@ struct Key {
 using Keys = std::array<Key, most_near>;
 
 // What a patch says of a structure at a point.
-struct Said {
-    double distance;  // signed, in the plane, less where the plane runs along the boundary
-    double slant;     // of the boundary against the plane (slants.h)
+struct PatchValue {
+    double distance;   // signed, in the plane, less where the plane runs along the boundary
+    double obliquity;  // of the boundary against the plane (obliquity.h)
 };
 
 // A patch as a point sees it.
-struct Seen {
+struct SeenPatch {
     std::uint32_t patch;
     double distance;  // from the point
     double height;    // of the point above the plane
@@ -72,7 +72,7 @@ struct Listed {
 };
 
 // The nearest patch on one side of a point.
-struct Hider {
+struct Occluder {
     std::uint32_t patch = 0;
     double height = 0;  // of the point above its plane; 0 of none
     Vec3 normal;
@@ -93,14 +93,14 @@ struct Beside {
 };
 
 // The patches that count at a point, nearest first.
-struct Sight {
-    std::array<Seen, most_near> near;  // the first `count`
+struct PatchView {
+    std::array<SeenPatch, most_near> near;  // the first `count`
     std::uint32_t count = 0;
     double outside = 0;  // weight of "outside"
     double beyond_end = never;
     double rounded_at = 0, rounded_radius = 0;  // height in a rounded end, and the radius; 0 elsewhere
 
-    std::span<const Seen> patches() const { return {near.data(), count}; }
+    std::span<const SeenPatch> patches() const { return {near.data(), count}; }
 };
 
 class GeneralField final : public FieldQueries<GeneralField> {
@@ -127,14 +127,14 @@ class GeneralField final : public FieldQueries<GeneralField> {
 
     static constexpr bool sides_cost_less = false;
     RawValue raw(std::uint32_t structure, Vec3 p, double /*reach*/) const {
-        const Sight sight = look(p);
+        const PatchView sight = look(p);
         return {blend(structure, sight), sight.beyond_end};
     }
     double raw_union(Vec3 p, double /*reach*/) const { return blend(union_, look(p)); }
 
     template <class Body>
     void each_raw(Vec3 p, double /*reach*/, Body body) const {
-        const Sight sight = look(p);
+        const PatchView sight = look(p);
         for (std::uint32_t s = next_structure(sight, 0); s != no_structure;
              s = next_structure(sight, s + 1)) {
             const double value = blend(s, sight);
@@ -147,20 +147,20 @@ class GeneralField final : public FieldQueries<GeneralField> {
                  const std::vector<bool>& left_out, RunContext& context);
 
   private:
-    Sight look(Vec3 p) const;
+    PatchView look(Vec3 p) const;
     // From a point of a patch's plane to the patch grown by the margin.
     Vec2 way_to_box(const PlanePatch& patch, Vec2 q) const {
         return {std::clamp(q.x, patch.box.low.x - margin_, patch.box.high.x + margin_) - q.x,
                 std::clamp(q.y, patch.box.low.y - margin_, patch.box.high.y + margin_) - q.y};
     }
-    std::array<Hider, 2> hiders_at(Vec3 p, std::span<const Listed> listed, std::uint32_t but) const;
+    std::array<Occluder, 2> occluders_at(Vec3 p, std::span<const Listed> listed, std::uint32_t but) const;
     std::uint32_t find_near(Vec3 p, Keys& keys, std::uint32_t but = no_patch) const;
-    Seen see(Vec3 p, const Key& key) const;
-    double share_of(const Seen& near, const Sight& sight) const;
-    void end(Sight& sight) const;
-    Said said(std::uint32_t structure, const Seen& near) const;
-    double blend(std::uint32_t structure, const Sight& sight) const;
-    std::uint32_t next_structure(const Sight& sight, std::uint32_t from) const;
+    SeenPatch see(Vec3 p, const Key& key) const;
+    double share_of(const SeenPatch& near, const PatchView& sight) const;
+    void end(PatchView& sight) const;
+    PatchValue said(std::uint32_t structure, const SeenPatch& near) const;
+    double blend(std::uint32_t structure, const PatchView& sight) const;
+    std::uint32_t next_structure(const PatchView& sight, std::uint32_t from) const;
     Status build_maps(const ContourSet& set, const std::vector<bool>& left_out, RunContext& context);
     void find_open_sides();
     bool is_before(Vec3 p, double reach, const PlanePatch& patch) const;
@@ -168,13 +168,13 @@ class GeneralField final : public FieldQueries<GeneralField> {
     void drop_hidden(Vec3 center, double half, std::vector<std::uint32_t>& list,
                      std::vector<Beside>& scratch) const;
     void build_grid(int threads);
-    void find_slants(RunContext& context);
+    void find_obliquity(RunContext& context);
 
     std::vector<FieldPatch> patches_;
     std::vector<std::optional<DistanceMap>> maps_;  // per patch in order of structure, the union last
     std::vector<std::uint32_t> structure_of_;
     std::uint32_t union_ = 0;
-    Slants slants_;
+    ObliquityFactors obliquity_;
     double spacing_ = 0, margin_ = 0, radius_ = 0, reach_ = 0,
            end_spacing_ = 0;  // outside joins in half of it beyond the end
     EndCaps caps_;
@@ -188,18 +188,18 @@ class GeneralField final : public FieldQueries<GeneralField> {
 };
 
 // The nearest patch on either side of those before which p lies, but for one.
-std::array<Hider, 2> GeneralField::hiders_at(Vec3 p, std::span<const Listed> listed,
-                                             std::uint32_t but) const {
-    std::array<Hider, 2> hiders;
+std::array<Occluder, 2> GeneralField::occluders_at(Vec3 p, std::span<const Listed> listed,
+                                                   std::uint32_t but) const {
+    std::array<Occluder, 2> occluders;
     for (const Listed& one : listed) {
         if (!one.before || one.patch == but) continue;
         const Plane& plane = patches_[one.patch].patch.plane;
         const double height = plane.signed_distance(p);
-        Hider& hider = hiders[(height > 0) != (one.against == 1)];
-        if (hider.height == 0 || std::abs(height) < std::abs(hider.height))
-            hider = {one.patch, height, plane.normal};
+        Occluder& occluder = occluders[(height > 0) != (one.against == 1)];
+        if (occluder.height == 0 || std::abs(height) < std::abs(occluder.height))
+            occluder = {one.patch, height, plane.normal};
     }
-    return hiders;
+    return occluders;
 }
 
 // The nearest patches within the radius, sorted by distance, but for one and most of those that nearer ones
@@ -215,8 +215,8 @@ std::uint32_t GeneralField::find_near(Vec3 p, Keys& keys, std::uint32_t but) con
         index(at.x, cells_[0]);
     const std::span<const Listed> listed{cell_patches_.data() + cell_begin_[cell],
                                          cell_patches_.data() + cell_begin_[cell + 1]};
-    const std::array<Hider, 2> hiders =
-        listed.size() > few_listed ? hiders_at(p, listed, but) : std::array<Hider, 2>{};
+    const std::array<Occluder, 2> occluders =
+        listed.size() > few_listed ? occluders_at(p, listed, but) : std::array<Occluder, 2>{};
     std::uint32_t count = 0;
     double farthest = radius_ * radius_;
     for (const Listed& one : listed) {
@@ -225,10 +225,10 @@ std::uint32_t GeneralField::find_near(Vec3 p, Keys& keys, std::uint32_t but) con
         const double height = patch.plane.signed_distance(p);
         const double across = std::clamp(height, patch.low, patch.high) - height;
         if (across * across >= farthest) continue;
-        const auto is_hidden_by = [&](const Hider& hider) {
-            return hider.hides(one.patch, across, patch.plane.normal);
+        const auto is_hidden_by = [&](const Occluder& occluder) {
+            return occluder.hides(one.patch, across, patch.plane.normal);
         };
-        if (one.before && (is_hidden_by(hiders[0]) || is_hidden_by(hiders[1]))) continue;
+        if (one.before && (is_hidden_by(occluders[0]) || is_hidden_by(occluders[1]))) continue;
         const Vec2 way = one.before ? Vec2{} : way_to_box(patch, patch.plane.to_plane(p));
         const double square = squared_length(way) + across * across;
         if (square >= farthest) continue;
@@ -240,7 +240,7 @@ std::uint32_t GeneralField::find_near(Vec3 p, Keys& keys, std::uint32_t but) con
     return count;
 }
 
-Seen GeneralField::see(Vec3 p, const Key& key) const {
+SeenPatch GeneralField::see(Vec3 p, const Key& key) const {
     const PlanePatch& patch = patches_[key.patch].patch;
     const double height = patch.plane.signed_distance(p);
     const double across = std::clamp(height, patch.low, patch.high) - height;
@@ -251,10 +251,10 @@ Seen GeneralField::see(Vec3 p, const Key& key) const {
 
 // How much of a patch the nearer ones in sight leave: the less the further the way to it leads through them;
 // what they leave little of themselves hides as little, so that nothing changes at once where it is hidden.
-double GeneralField::share_of(const Seen& near, const Sight& sight) const {
+double GeneralField::share_of(const SeenPatch& near, const PatchView& sight) const {
     double share = 1;
     for (std::uint32_t j = 0; j < sight.count && share > least_share; ++j) {
-        const Seen& nearer = sight.near[j];
+        const SeenPatch& nearer = sight.near[j];
         const double shown = 1 - nearer.lateral / margin_;
         if (shown <= 0) continue;
         const double square = nearer.height * nearer.height + nearer.lateral * nearer.lateral;
@@ -269,10 +269,10 @@ double GeneralField::share_of(const Seen& near, const Sight& sight) const {
 // What lies beyond the end of the sweep. All patches on one side of the point: "outside" joins in like a
 // patch half a spacing away; but beyond a patch that no other one lies behind, its region goes on for half a
 // spacing, or not at all.
-void GeneralField::end(Sight& sight) const {
+void GeneralField::end(PatchView& sight) const {
     sight.outside = fade_of_outside / radius_;
     if (sight.count == 0 || sight.near[0].distance == 0) {
-        for (const Seen& near : sight.patches()) {
+        for (const SeenPatch& near : sight.patches()) {
             const FieldPatch& patch = patches_[near.patch];
             if (near.distance == 0 && caps_ == EndCaps::flat && (patch.open_below || patch.open_above))
                 sight.beyond_end = 0;
@@ -281,7 +281,7 @@ void GeneralField::end(Sight& sight) const {
     }
     const double local = sight.count > 1 ? sight.near[1].distance - sight.near[0].distance : spacing_;
     const double half = caps_ == EndCaps::flat ? 0 : 0.5 * std::clamp(local, 0.5 * spacing_, 2 * reach_);
-    for (const Seen& near : sight.patches()) {
+    for (const SeenPatch& near : sight.patches()) {
         const FieldPatch& patch = patches_[near.patch];
         if (near.lateral > 0) continue;
         if (patch.open_above) sight.beyond_end = std::max(sight.beyond_end, near.height - half);
@@ -300,7 +300,7 @@ void GeneralField::end(Sight& sight) const {
     // point.
     double total = 0;
     Vec3 pull;
-    for (const Seen& near : sight.patches()) {
+    for (const SeenPatch& near : sight.patches()) {
         total += near.weight * near.distance;
         pull += near.weight * near.offset;
     }
@@ -311,13 +311,13 @@ void GeneralField::end(Sight& sight) const {
 
 // Weights fall as 1 / distance, which between two parallel patches is linear interpolation. On a patch it
 // alone counts, or those that cross there.
-Sight GeneralField::look(Vec3 p) const {
-    Sight sight;
+PatchView GeneralField::look(Vec3 p) const {
+    PatchView sight;
     Keys keys;
     const std::uint32_t found = find_near(p, keys);
     const bool on_patch = found > 0 && keys[0].square == 0;
     for (std::uint32_t n = 0; n < found && (!on_patch || keys[n].square == 0); ++n) {
-        Seen& near = sight.near[sight.count];
+        SeenPatch& near = sight.near[sight.count];
         near = see(p, keys[n]);
         if (on_patch) {
             near.weight = std::numeric_limits<double>::infinity();
@@ -332,23 +332,23 @@ Sight GeneralField::look(Vec3 p) const {
     return sight;
 }
 
-Said GeneralField::said(std::uint32_t structure, const Seen& near) const {
+PatchValue GeneralField::said(std::uint32_t structure, const SeenPatch& near) const {
     const FieldPatch& patch = patches_[near.patch];
-    const double slant = slants_.at(near.patch, structure, near.at);
+    const double obliquity = obliquity_.at(near.patch, structure, near.at);
     for (std::uint32_t m = patch.first_map; m < patch.first_map + patch.map_count; ++m) {
-        if (structure_of_[m] == structure) return {slant * maps_[m]->value(near.at), slant};
+        if (structure_of_[m] == structure) return {obliquity * maps_[m]->value(near.at), obliquity};
     }
-    return {slant * clamp_, slant};
+    return {obliquity * clamp_, obliquity};
 }
 
-double GeneralField::blend(std::uint32_t structure, const Sight& sight) const {
+double GeneralField::blend(std::uint32_t structure, const PatchView& sight) const {
     const double soft = 0.5 * clamp_;
     double total = sight.outside / (soft + clamp_), sum = total * clamp_;
     double on_patch = std::numeric_limits<double>::infinity();
-    for (const Seen& near : sight.patches()) {
-        const auto [d, slant] = said(structure, near);
+    for (const SeenPatch& near : sight.patches()) {
+        const auto [d, obliquity] = said(structure, near);
         if (std::isfinite(near.weight)) {
-            const double weight = near.weight * slant / (soft + std::abs(d));
+            const double weight = near.weight * obliquity / (soft + std::abs(d));
             sum += weight * d;
             total += weight;
         } else if (std::abs(d) < std::abs(on_patch)) {
@@ -361,9 +361,9 @@ double GeneralField::blend(std::uint32_t structure, const Sight& sight) const {
 }
 
 // The lowest structure from `from` on that a patch in sight draws.
-std::uint32_t GeneralField::next_structure(const Sight& sight, std::uint32_t from) const {
+std::uint32_t GeneralField::next_structure(const PatchView& sight, std::uint32_t from) const {
     std::uint32_t next = no_structure;
-    for (const Seen& near : sight.patches()) {
+    for (const SeenPatch& near : sight.patches()) {
         const FieldPatch& patch = patches_[near.patch];
         for (std::uint32_t m = patch.first_map; m < patch.first_map + patch.map_count; ++m) {
             if (structure_of_[m] < from || structure_of_[m] == union_) continue;
@@ -487,7 +487,7 @@ bool GeneralField::is_before(Vec3 p, double reach, const PlanePatch& patch) cons
 void GeneralField::drop_hidden(Vec3 center, double half, std::vector<std::uint32_t>& list,
                                std::vector<Beside>& beside) const {
     constexpr std::size_t most_hiders = 4;
-    std::array<Beside, most_hiders> hiders;
+    std::array<Beside, most_hiders> occluders;
     std::size_t count = 0;
     const double diagonal = std::sqrt(3.0) * half;
     beside.clear();
@@ -512,15 +512,15 @@ void GeneralField::drop_hidden(Vec3 center, double half, std::vector<std::uint32
                 nearest = &one;
         }
         if (!nearest) break;
-        const Beside hider = hiders[count++] = *nearest;
+        const Beside occluder = occluders[count++] = *nearest;
         const auto kept = std::remove_if(
             beside.begin(), beside.begin() + static_cast<std::ptrdiff_t>(left), [&](const Beside& one) {
-                return one.patch == hider.patch || (one.apart && is_hidden(one, hider, half));
+                return one.patch == occluder.patch || (one.apart && is_hidden(one, occluder, half));
             });
         left = static_cast<std::size_t>(kept - beside.begin());
     }
     list.clear();
-    for (std::size_t n = 0; n < count; ++n) list.push_back(hiders[n].patch);
+    for (std::size_t n = 0; n < count; ++n) list.push_back(occluders[n].patch);
     for (std::size_t n = 0; n < left; ++n) list.push_back(beside[n].patch);
     std::sort(list.begin(), list.end());
 }
@@ -587,8 +587,8 @@ void GeneralField::build_grid(int threads) {
     }
 }
 
-void GeneralField::find_slants(RunContext& context) {
-    PatchesSeen seen{radius_, clamp_, slant_cell * clamp_, {}, {}, {}, {}};
+void GeneralField::find_obliquity(RunContext& context) {
+    PatchesSeen seen{radius_, clamp_, obliquity_cell * clamp_, {}, {}, {}, {}};
     for (const FieldPatch& one : patches_) {
         seen.planes.push_back(one.patch.plane);
         seen.boxes.push_back(one.map_count > 0 ? one.patch.box.grown(margin_) : Box2{});
@@ -608,7 +608,7 @@ void GeneralField::find_slants(RunContext& context) {
             if (value < clamp_) distances.push_back({structure_of_[m], value});
         }
     };
-    slants_ = Slants::of(seen, context);
+    obliquity_ = ObliquityFactors::of(seen, context);
 }
 
 Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patches,
@@ -628,7 +628,7 @@ Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patche
     find_open_sides();
     for (std::size_t s = 0; s < patches_.size(); ++s) patches_[s].patch.box = frames[s];
     build_grid(context.threads);
-    find_slants(context);
+    find_obliquity(context);
     if (context.cancelled()) return cancelled_error();
     return Nothing{};
 }

@@ -15,11 +15,11 @@
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/slice_regions.h"
 #include "anatomesh/field/stack/caps.h"
-#include "anatomesh/field/stack/domes.h"
 #include "anatomesh/field/stack/levels.h"
-#include "anatomesh/field/stack/lone_parts.h"
+#include "anatomesh/field/stack/paraboloid_caps.h"
 #include "anatomesh/field/stack/slice_motion.h"
-#include "anatomesh/field/stack/track.h"
+#include "anatomesh/field/stack/structure_stack.h"
+#include "anatomesh/field/stack/terminating_components.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/coverage/covering_slices.h"
 
@@ -55,7 +55,8 @@ class ParallelField final : public FieldQueries<ParallelField> {
     double slice_spacing() const override { return spacing_; }
     std::vector<Plane> flat_ends() const override {
         std::vector<double> heights;
-        for (const Track& track : tracks_) track.add_flat_ends(heights);
+        for (const StructureStack& structure_stack : structure_stacks_)
+            structure_stack.add_flat_ends(heights);
         std::sort(heights.begin(), heights.end());
         std::vector<Plane> ends(heights.size(), frame_);
         for (std::size_t n = 0; n < ends.size(); ++n)
@@ -66,7 +67,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
 
     static constexpr bool sides_cost_less = true;
     RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
-        assert(structure < tracks_.size());
+        assert(structure < structure_stacks_.size());
         return raw_at(structure, frame_.to_plane(p), frame_.signed_distance(p), reach);
     }
 
@@ -101,22 +102,22 @@ class ParallelField final : public FieldQueries<ParallelField> {
     };
 
     RawValue raw_at(std::uint32_t structure, Vec2 q, double z, double reach) const {
-        const Track& track = tracks_[structure];
-        RawValue raw{clamp_, track.beyond_end(z)};
-        raw.value = track.blend(maps_, clamp_, q, z, reach, partition_ ? &raw.ending : nullptr);
+        const StructureStack& structure_stack = structure_stacks_[structure];
+        RawValue raw{clamp_, structure_stack.beyond_end(z)};
+        raw.value = structure_stack.blend(maps_, clamp_, q, z, reach, partition_ ? &raw.ending : nullptr);
         return raw;
     }
-    StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair, double points,
+    StructureVolume pair_volume(std::uint32_t structure, const StructureStack::Pair& pair, double points,
                                 std::size_t layer) const;
-    double inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q, double step) const;
-    bool is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
+    double inside_share(std::uint32_t structure, const StructureStack::Pair& pair, Vec2 q, double step) const;
+    bool is_alone(std::uint32_t structure, const StructureStack::Pair& pair, Vec2 q) const;
     Status build_maps(const ContourSet& set, RunContext& context);
     Status find_motions(const ContourSet& set, RunContext& context);
-    void add_lone_ends_to_union(std::size_t pair);
+    void add_terminations_to_union(std::size_t pair);
     void warn_about_jumps(const ContourSet& set, RunContext& context) const;
     void warn_about_ambiguities(const ContourSet& set, RunContext& context) const;
-    void build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
-                      const FieldOptions& options, RunContext& context);
+    void build_structure_stacks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
+                                const FieldOptions& options, RunContext& context);
     void build_near_table();
     void build_box();
 
@@ -126,8 +127,8 @@ class ParallelField final : public FieldQueries<ParallelField> {
     std::vector<std::optional<DistanceMap>> maps_;
     std::vector<std::uint32_t> slice_of_map_;
     std::vector<std::vector<std::int32_t>> map_of_;  // [structure][slice]; the union comes last
-    std::vector<Track> tracks_;
-    Track union_;
+    std::vector<StructureStack> structure_stacks_;
+    StructureStack union_;
     // Along the normal in buckets: the structures whose neighbourhood reaches into the bucket, rising.
     double low_ = 0, inverse_bucket_ = 0;
     std::vector<std::uint32_t> bucket_begin_;
@@ -217,9 +218,9 @@ void warn_about_levels(const ContourSet& set, std::uint32_t structure, const Str
     }
 }
 
-void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
-                                 const FieldOptions& options, RunContext& context) {
-    tracks_.resize(set.structures.size());
+void ParallelField::build_structure_stacks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
+                                           const FieldOptions& options, RunContext& context) {
+    structure_stacks_.resize(set.structures.size());
     const auto levels_of = [&](std::uint32_t s, const std::vector<StructurePart>& parts) {
         std::vector<std::uint32_t> drawn;
         for (std::uint32_t i = 0; i < intervals.size(); ++i) {
@@ -236,7 +237,7 @@ void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceI
     };
     // Where some have slices of their own, others may end where they go on.
     std::vector<StructurePart> parts;
-    for (std::uint32_t s = 0; s < tracks_.size() && set.exclusive && has_interpolated(set); ++s) {
+    for (std::uint32_t s = 0; s < structure_stacks_.size() && set.exclusive && has_interpolated(set); ++s) {
         if (map_of_[s].empty()) continue;
         const std::vector<StructurePart> own = parts_of(levels_of(s, {}));
         parts.insert(parts.end(), own.begin(), own.end());
@@ -246,14 +247,14 @@ void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceI
         StructureLevels levels = levels_of(s, parts);
         const bool is_union = s == set.structures.size();
         if (!is_union) warn_about_levels(set, s, levels, context);
-        (is_union ? union_ : tracks_[s]) =
-            Track(std::move(levels), map_of_[s], options.caps == EndCaps::rounded);
+        (is_union ? union_ : structure_stacks_[s]) =
+            StructureStack(std::move(levels), map_of_[s], options.caps == EndCaps::rounded);
     }
 }
 
 // What a structure of a partition ends with is part of the union, though there it touches others that go on.
-void ParallelField::add_lone_ends_to_union(std::size_t i) {
-    const Track::Pair pair = union_.pair(i);
+void ParallelField::add_terminations_to_union(std::size_t i) {
+    const StructureStack::Pair pair = union_.pair(i);
     if (pair.below == empty_level || pair.above == empty_level) return;
     for (const bool from_below : {true, false}) {
         const std::int32_t here = from_below ? pair.below : pair.above,
@@ -262,29 +263,29 @@ void ParallelField::add_lone_ends_to_union(std::size_t i) {
             return m == empty_level ? nullptr : &*maps_[static_cast<std::size_t>(m)];
         };
         const auto slice_of = [&](std::int32_t m) { return slice_of_map_[static_cast<std::size_t>(m)]; };
-        for (std::size_t s = 0; s < tracks_.size(); ++s) {
+        for (std::size_t s = 0; s < structure_stacks_.size(); ++s) {
             if (map_of_[s].empty() || map_of_[s][slice_of(here)] == empty_level) continue;
-            union_.add_lone_ends(
-                i,
-                lone_parts_of_union(*map(map_of_[s][slice_of(here)]), map(map_of_[s][slice_of(there)]),
-                                    *map(here), *map(there), pair.above_low - pair.below_high),
-                from_below, clamp_);
+            union_.add_terminations(i,
+                                    terminating_components_of_union(
+                                        *map(map_of_[s][slice_of(here)]), map(map_of_[s][slice_of(there)]),
+                                        *map(here), *map(there), pair.above_low - pair.below_high),
+                                    from_below, clamp_);
         }
     }
 }
 
 Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
-    std::vector<std::pair<Track*, std::size_t>> jobs;
-    const auto add = [&](Track& track) {
-        for (std::size_t i = 0; i < track.pair_count(); ++i) jobs.emplace_back(&track, i);
+    std::vector<std::pair<StructureStack*, std::size_t>> jobs;
+    const auto add = [&](StructureStack& structure_stack) {
+        for (std::size_t i = 0; i < structure_stack.pair_count(); ++i) jobs.emplace_back(&structure_stack, i);
     };
-    for (Track& track : tracks_) add(track);
+    for (StructureStack& structure_stack : structure_stacks_) add(structure_stack);
     add(union_);
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
             // In a partition a part ends where what it touches begins.
-            jobs[j].first->find_lone_ends(jobs[j].second, maps_, clamp_, !partition_);
-            if (jobs[j].first == &union_) add_lone_ends_to_union(jobs[j].second);
+            jobs[j].first->find_terminations(jobs[j].second, maps_, clamp_, !partition_);
+            if (jobs[j].first == &union_) add_terminations_to_union(jobs[j].second);
         }
     });
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
@@ -304,11 +305,11 @@ void ParallelField::warn_about_jumps(const ContourSet& set, RunContext& context)
     const auto slice_at = [&](std::int32_t map) {
         return slice_text(set, slice_of_map_[static_cast<std::size_t>(map)]);
     };
-    for (std::size_t s = 0; s < tracks_.size(); ++s) {
+    for (std::size_t s = 0; s < structure_stacks_.size(); ++s) {
         std::size_t jumps = 0;
         std::string first;
-        for (std::size_t i = 0; i < tracks_[s].pair_count(); ++i) {
-            const Track::Pair pair = tracks_[s].pair(i);
+        for (std::size_t i = 0; i < structure_stacks_[s].pair_count(); ++i) {
+            const StructureStack::Pair pair = structure_stacks_[s].pair(i);
             if (pair.motion->overlaps()) continue;
             if (jumps++ == 0) first = slice_at(pair.below) + " and " + slice_at(pair.above);
         }
@@ -325,12 +326,12 @@ void ParallelField::warn_about_jumps(const ContourSet& set, RunContext& context)
 // Outlines that overlap several of the next slice each, while there are more of them or fewer: nothing drawn
 // tells which becomes which. One warning per structure, with the worst of it.
 void ParallelField::warn_about_ambiguities(const ContourSet& set, RunContext& context) const {
-    for (std::size_t s = 0; s < tracks_.size(); ++s) {
+    for (std::size_t s = 0; s < structure_stacks_.size(); ++s) {
         std::size_t places = 0;
         Ambiguity worst;
-        Track::Pair worst_pair{};
-        for (std::size_t i = 0; i < tracks_[s].pair_count(); ++i) {
-            const Track::Pair pair = tracks_[s].pair(i);
+        StructureStack::Pair worst_pair{};
+        for (std::size_t i = 0; i < structure_stacks_[s].pair_count(); ++i) {
+            const StructureStack::Pair pair = structure_stacks_[s].pair(i);
             for (const Ambiguity& ambiguity : pair.motion->ambiguities()) {
                 if (places++ > 0 && ambiguity.below + ambiguity.above <= worst.below + worst.above) continue;
                 worst = ambiguity;
@@ -362,11 +363,11 @@ void ParallelField::build_near_table() {
     double high = -std::numeric_limits<double>::infinity();
     low_ = -high;
     std::size_t levels = 0;
-    for (const Track& track : tracks_) {
-        if (track.empty()) continue;
-        low_ = std::min(low_, track.low());
-        high = std::max(high, track.high());
-        track.each_stretch([&](double, double, std::size_t, double) { ++levels; });
+    for (const StructureStack& structure_stack : structure_stacks_) {
+        if (structure_stack.empty()) continue;
+        low_ = std::min(low_, structure_stack.low());
+        high = std::max(high, structure_stack.high());
+        structure_stack.each_stretch([&](double, double, std::size_t, double) { ++levels; });
     }
     const std::size_t buckets = std::min<std::size_t>(2 * levels + 1, 4096);
     inverse_bucket_ = static_cast<double>(buckets) / (high - low_);
@@ -375,8 +376,8 @@ void ParallelField::build_near_table() {
         return static_cast<std::size_t>(
             std::clamp((z - low_) * inverse_bucket_, 0.0, static_cast<double>(buckets - 1)));
     };
-    for (std::uint32_t s = 0; s < tracks_.size(); ++s) {
-        tracks_[s].each_stretch([&](double from, double to, std::size_t map, double move) {
+    for (std::uint32_t s = 0; s < structure_stacks_.size(); ++s) {
+        structure_stacks_[s].each_stretch([&](double from, double to, std::size_t map, double move) {
             const Box2 box = maps_[map]->box().grown(move);
             for (std::size_t b = bucket_of(from); b <= bucket_of(to); ++b) {
                 if (entries[b].empty() || entries[b].back().structure != s) entries[b].push_back({s, box});
@@ -393,8 +394,8 @@ void ParallelField::build_near_table() {
 }
 
 void ParallelField::build_box() {
-    for (const Track& track : tracks_) {
-        track.each_stretch([&](double from, double to, std::size_t map, double move) {
+    for (const StructureStack& structure_stack : structure_stacks_) {
+        structure_stack.each_stretch([&](double from, double to, std::size_t map, double move) {
             const Box2 region = maps_[map]->region_box().grown(move);
             for (const double z : {from, to}) {
                 for (const Vec2 corner : {region.low, region.high, Vec2{region.low.x, region.high.y},
@@ -416,7 +417,7 @@ Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterv
                      {set.source, "", "", "", ""},
                      ""};
     }
-    build_tracks(set, intervals, options, context);
+    build_structure_stacks(set, intervals, options, context);
     ANATOMESH_CHECK_STATUS(find_motions(set, context));
     build_near_table();
     build_box();
@@ -424,7 +425,7 @@ Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterv
 }
 
 // Whether no other structure reaches the column over q between two levels.
-bool ParallelField::is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const {
+bool ParallelField::is_alone(std::uint32_t structure, const StructureStack::Pair& pair, Vec2 q) const {
     const double last = static_cast<double>(bucket_begin_.size() - 2);
     const auto from =
         static_cast<std::size_t>(std::clamp((pair.below_high - low_) * inverse_bucket_, 0.0, last));
@@ -476,7 +477,7 @@ std::array<double, 2> inside_halves(const Strip& strip, std::span<const double> 
 
 // The share of the column over q between two levels that is inside, less what slice integration gives it: a
 // half for each level on which q is inside. The column is `step` wide, the lattice's.
-double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q,
+double ParallelField::inside_share(std::uint32_t structure, const StructureStack::Pair& pair, Vec2 q,
                                    double step) const {
     const auto distance = [&](std::int32_t map) {
         return map == empty_level ? clamp_ : maps_[static_cast<std::size_t>(map)]->value(q);
@@ -507,13 +508,13 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
         for (std::size_t k = 1; k < parts; ++k) {
             const double z = static_cast<double>(k) * gap / static_cast<double>(parts);
             const Vec3 p = foot + z * frame_.normal;
-            values[k] = tracks_[structure].blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p),
-                                                 everywhere, nullptr, false);
+            values[k] = structure_stacks_[structure].blend(
+                maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p), everywhere, nullptr, false);
         }
         values[parts] = rest_b;
         std::array<double, 2> halves = inside_halves(column, std::span(values).first(parts + 1));
         for (const bool is_void : {true, false}) {
-            for (const LoneEnd& lone : *pair.lone_ends) {
+            for (const Termination& lone : *pair.terminations) {
                 if (lone.is_void != is_void || !lone.box.contains(q)) continue;
                 const double d = lone.map.value(q);
                 const std::array<double, 2> parts_of = lone.filled(d, gap, pair.rounded, column.inside(d));
@@ -538,10 +539,10 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
     return static_cast<double>(inside) / sections - by_slices;
 }
 
-StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track::Pair& pair, double points,
-                                           std::size_t layer) const {
+StructureVolume ParallelField::pair_volume(std::uint32_t structure, const StructureStack::Pair& pair,
+                                           double points, std::size_t layer) const {
     const double gap = pair.above_low - pair.below_high;
-    if (tracks_[structure].beyond_end(0.5 * (pair.below_high + pair.above_low)) > 0) return {};
+    if (structure_stacks_[structure].beyond_end(0.5 * (pair.below_high + pair.above_low)) > 0) return {};
     double area = 0, thickness = 0;
     Box2 box;
     for (const std::int32_t map : {pair.below, pair.above}) {
@@ -567,12 +568,13 @@ Result<std::vector<StructureVolume>> ParallelField::volumes(std::uint32_t count,
                                                             RunContext& context) const {
     struct Job {
         std::uint32_t structure;
-        Track::Pair pair;
+        StructureStack::Pair pair;
         StructureVolume volume;
     };
     std::vector<Job> jobs;
-    for (std::uint32_t s = 0; s < std::min<std::size_t>(count, tracks_.size()); ++s) {
-        for (std::size_t i = 0; i < tracks_[s].pair_count(); ++i) jobs.push_back({s, tracks_[s].pair(i), {}});
+    for (std::uint32_t s = 0; s < std::min<std::size_t>(count, structure_stacks_.size()); ++s) {
+        for (std::size_t i = 0; i < structure_stacks_[s].pair_count(); ++i)
+            jobs.push_back({s, structure_stacks_[s].pair(i), {}});
     }
     const double points =
         std::min<double>(options.points_per_slab,

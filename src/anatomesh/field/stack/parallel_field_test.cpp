@@ -90,8 +90,8 @@ TEST(ParallelField, a_shell_as_thick_as_the_spacing_is_closed) {
         EXPECT_EQ(topology_of(shell(80, 3, 3, top), 1.2), (Topology{1, 0, 1})) << top;
 }
 
-// Wherever the slices lie: the void ends in a dome below the last slice, which may be a disc that hardly
-// covers it.
+// Wherever the slices lie: the void ends in a paraboloid cap below the last slice, which may be a disc that
+// hardly covers it.
 TEST(ParallelField, a_shell_is_closed_at_any_position_of_its_slices) {
     struct Shell {
         double radius, thickness, spacing, step;

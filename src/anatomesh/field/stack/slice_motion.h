@@ -33,7 +33,7 @@ class SliceMotion {
         double bend_below = 0, bend_above = 0;
     };
     // A slice beyond the two and its distance from the nearer of them; map null: no slice there. `ending`:
-    // the parts of the nearer one that end before it (lone_parts()): it says nothing of them.
+    // the parts of the nearer one that end before it (terminating_components()): it says nothing of them.
     struct Beyond {
         const DistanceMap* map = nullptr;
         double gap = 0;

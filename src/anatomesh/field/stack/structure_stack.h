@@ -12,10 +12,10 @@
 
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/stack/caps.h"
-#include "anatomesh/field/stack/domes.h"
 #include "anatomesh/field/stack/levels.h"
-#include "anatomesh/field/stack/lone_parts.h"
+#include "anatomesh/field/stack/paraboloid_caps.h"
 #include "anatomesh/field/stack/slice_motion.h"
+#include "anatomesh/field/stack/terminating_components.h"
 
 namespace anatomesh {
 
@@ -52,23 +52,23 @@ inline double ending(double d, double t, double gap, bool rounded) {
 }
 
 // The parts of a kind that end between two levels though the structure goes on beside them; where they end in
-// a dome, one part.
-struct LoneEnd {
+// a paraboloid cap, one part.
+struct Termination {
     DistanceMap map;  // of the parts alone
     Box2 box;         // beyond it nothing of them is near
     bool from_below, is_void;
-    std::optional<Dome> dome;
+    std::optional<ParaboloidCap> paraboloid;
 
     // At the share `away` of the gap from their slice, where they lie at the distance d in it.
     double value(double d, double away, double gap, bool rounded) const {
-        return dome ? dome->value(d, away * gap) : ending(d, away, gap, rounded);
+        return paraboloid ? paraboloid->value(d, away * gap) : ending(d, away, gap, rounded);
     }
     // How much of each half of the gap they fill over a point, from their slice on. `inside`: the share of a
     // lattice's column there that is theirs on the slice.
     std::array<double, 2> filled(double d, double gap, bool rounded, double inside) const {
         const double half = 0.5 * gap;
-        if (dome) {
-            const double height = dome->height(d) / half;
+        if (paraboloid) {
+            const double height = paraboloid->height(d) / half;
             return {std::min(height, 1.0), std::max(height - 1, 0.0)};
         }
         return {rounded ? rounded_height(d, half) / half : inside, 0};
@@ -77,12 +77,12 @@ struct LoneEnd {
 
 // A structure along the normal: its levels, each with its distance map, and a table from position to level.
 // Immutable after build; queries are const and thread-safe.
-class Track {
+class StructureStack {
   public:
     using Maps = std::vector<std::optional<DistanceMap>>;
 
-    Track() = default;
-    Track(StructureLevels levels, const std::vector<std::int32_t>& map_of_slice, bool rounded);
+    StructureStack() = default;
+    StructureStack(StructureLevels levels, const std::vector<std::int32_t>& map_of_slice, bool rounded);
 
     bool empty() const { return levels_.empty(); }
     double low() const { return levels_.front().low; }
@@ -90,10 +90,10 @@ class Track {
 
     // The structure at (q, z): the two levels around z, each with its clamped distance, blended. Where that
     // lies beyond +-reach by what the maps' grids know, a number of the same sign beyond reach. Where it or a
-    // part of it ends, `end` (of a partition) gets the signed distance from its half of the gap. `lone_ends`:
-    // with the parts of it that end.
+    // part of it ends, `end` (of a partition) gets the signed distance from its half of the gap.
+    // `terminations`: with the parts of it that end.
     double blend(const Maps& maps, double clamp, Vec2 q, double z, double reach, double* end = nullptr,
-                 bool lone_ends = true) const;
+                 bool terminations = true) const;
 
     // How far z lies beyond the flat ends of its part; negative within.
     double beyond_end(double z) const {
@@ -113,13 +113,14 @@ class Track {
 
     std::size_t pair_count() const { return levels_.empty() ? 0 : levels_.size() - 1; }
 
-    // The parts that end between levels i and i + 1; both must be drawn, else nothing happens. `domes`: those
-    // whose sections shrink end in domes.
-    void find_lone_ends(std::size_t i, const Maps& maps, double clamp, bool domes);
-    void add_lone_ends(std::size_t i, const std::vector<LonePart>& parts, bool from_below, double clamp);
+    // The parts that end between levels i and i + 1; both must be drawn, else nothing happens. `paraboloid
+    // caps`: those whose sections shrink end in paraboloid caps.
+    void find_terminations(std::size_t i, const Maps& maps, double clamp, bool paraboloids);
+    void add_terminations(std::size_t i, const std::vector<TerminatingComponent>& parts, bool from_below,
+                          double clamp);
 
     // How the structure moves between levels i and i + 1; both must be drawn, else nothing happens. Requires:
-    // find_lone_ends() for all levels.
+    // find_terminations() for all levels.
     void find_motion(std::size_t i, const Maps& maps);
     const SliceMotion& motion(std::size_t i) const { return motions_[i]; }
 
@@ -128,8 +129,9 @@ class Track {
         std::int32_t below, above;
         double below_low, below_high, above_low;
         const SliceMotion* motion;
-        const std::vector<LoneEnd>* lone_ends;
-        // What is drawn there without the parts that end in domes between them; null: no such parts.
+        const std::vector<Termination>* terminations;
+        // What is drawn there without the parts that end in paraboloid caps between them; null: no such
+        // parts.
         std::array<const DistanceMap*, 2> rest;
         bool rounded;  // how it ends where one of them is empty
     };
@@ -140,7 +142,7 @@ class Track {
                 levels_[i].high,
                 levels_[i + 1].low,
                 &motions_[i],
-                &lone_ends_[i],
+                &terminations_[i],
                 {rest_[i][0].get(), rest_[i][1].get()},
                 rounded_};
     }
@@ -170,28 +172,29 @@ class Track {
                    : nullptr;
     }
     double gap(std::size_t i) const { return levels_[i + 1].low - levels_[i].high; }
-    // Takes those out of `parts`, of level i or i + 1, that end in domes.
-    void add_domes(std::size_t i, std::vector<LonePart>& parts, bool from_below, const Maps& maps,
-                   double clamp);
+    // Takes those out of `parts`, of level i or i + 1, that end in paraboloid caps.
+    void add_paraboloid_caps(std::size_t i, std::vector<TerminatingComponent>& parts, bool from_below,
+                             const Maps& maps, double clamp);
     // Of the parts that end between levels i and i + 1, the first whose box holds q; their number if none
     // does.
-    std::size_t first_lone_end(std::size_t i, Vec2 q) const {
-        const std::vector<Box2>& boxes = lone_boxes_[i];
+    std::size_t first_termination(std::size_t i, Vec2 q) const {
+        const std::vector<Box2>& boxes = terminating_boxes_[i];
         std::size_t n = 0;
         while (n < boxes.size() && !boxes[n].contains(q)) ++n;
         return n;
     }
     // Both look at the parts from the one of number `first` on.
-    bool is_near_lone_end(std::size_t i, std::size_t first, Vec2 q, double clamp) const;
-    double with_lone_ends(std::size_t i, std::size_t first, Vec2 q, double t, double clamp, double value,
-                          double* end) const;
-    void sort_lone_ends(std::size_t i);
+    bool is_near_termination(std::size_t i, std::size_t first, Vec2 q, double clamp) const;
+    double with_terminations(std::size_t i, std::size_t first, Vec2 q, double t, double clamp, double value,
+                             double* end) const;
+    void sort_terminations(std::size_t i);
 
     std::vector<Known> levels_;
-    std::vector<SliceMotion> motions_;             // between a level and the next
-    std::vector<std::vector<LoneEnd>> lone_ends_;  // the same, holes before pieces
-    std::vector<std::vector<Box2>> lone_boxes_;    // theirs: most points are in none
-    // The same: the regions of a level and the next without the parts that end in domes between them.
+    std::vector<SliceMotion> motions_;                    // between a level and the next
+    std::vector<std::vector<Termination>> terminations_;  // the same, holes before pieces
+    std::vector<std::vector<Box2>> terminating_boxes_;    // theirs: most points are in none
+    // The same: the regions of a level and the next without the parts that end in paraboloid caps between
+    // them.
     std::vector<std::array<std::unique_ptr<const DistanceMap>, 2>> rest_;
     std::vector<StructureLevels::Extent> flat_;
     std::vector<std::uint32_t> buckets_;

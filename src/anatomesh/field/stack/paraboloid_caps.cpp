@@ -1,4 +1,4 @@
-#include "anatomesh/field/stack/domes.h"
+#include "anatomesh/field/stack/paraboloid_caps.h"
 
 #include <numbers>
 
@@ -6,8 +6,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double bluntest = 8;    // gaps to where the area would be nothing; beyond, a part ends flat
-constexpr double highest = 0.85;  // gaps; a dome stays off the next slice, which shows nothing of the part
+constexpr double bluntest = 8;  // gaps to where the area would be nothing; beyond, a part ends flat
+// Gaps; a paraboloid cap stays off the next slice, which shows nothing of the part.
+constexpr double highest = 0.85;
 constexpr double widest_reach = 2.5;  // greatest depths: how much wider the part before is looked for
 constexpr int depth_lattice = 32;     // points a side over a section, to find where it is deepest
 
@@ -37,8 +38,8 @@ double lost_area(const DistanceMap& section, bool is_void, const DistanceMap& be
 
 }  // namespace
 
-std::optional<Dome> dome_of(const DistanceMap& section, bool is_void, const DistanceMap& before,
-                            double gap_before, double gap) {
+std::optional<ParaboloidCap> paraboloid_cap_of(const DistanceMap& section, bool is_void,
+                                               const DistanceMap& before, double gap_before, double gap) {
     const auto gaps_to_nothing = [&](const DistanceMap& larger) {
         const double lost = lost_area(section, is_void, larger);
         return lost > 0 ? section.area() * gap_before / (lost * gap) : bluntest;
@@ -50,7 +51,7 @@ std::optional<Dome> dome_of(const DistanceMap& section, bool is_void, const Dist
         gaps = gaps_to_nothing(DistanceMap({before.edges().begin(), before.edges().end()}, reach));
     // Over a disc: the height at which a paraboloid that is so high has the volume of half the gap.
     const double top = gaps > 1 ? gaps * (1 - std::sqrt(1 - 1 / gaps)) : gaps;
-    return Dome(depth, gaps * gap, std::min(top, highest) * gap);
+    return ParaboloidCap(depth, gaps * gap, std::min(top, highest) * gap);
 }
 
 }  // namespace anatomesh

@@ -1,10 +1,10 @@
-#include "anatomesh/sample/wall_gauge.h"
+#include "anatomesh/sample/local_thickness.h"
 
 #include <algorithm>
 
 namespace anatomesh {
 
-std::optional<Vec3> WallGauge::normal(std::uint32_t structure, Vec3 p) const {
+std::optional<Vec3> LocalThickness::normal(std::uint32_t structure, Vec3 p) const {
     const double delta = reach_ / 16;
     const auto difference = [&](Vec3 step) {
         return field_.value(structure, p + step) - field_.value(structure, p - step);
@@ -15,7 +15,7 @@ std::optional<Vec3> WallGauge::normal(std::uint32_t structure, Vec3 p) const {
     return (1.0 / steepness) * gradient;
 }
 
-double WallGauge::depth(std::uint32_t structure, Vec3 p, Vec3 direction, bool expected) const {
+double LocalThickness::depth(std::uint32_t structure, Vec3 p, Vec3 direction, bool expected) const {
     const auto as_expected = [&](double d) { return inside(structure, p + d * direction) == expected; };
     if (as_expected(0.5 * reach_) && as_expected(reach_)) return reach_;
     double low = reach_ / 16;
@@ -35,7 +35,7 @@ double WallGauge::depth(std::uint32_t structure, Vec3 p, Vec3 direction, bool ex
     return reach_;
 }
 
-double WallGauge::thickness(std::uint32_t structure, Vec3 p, Vec3 normal) const {
+double LocalThickness::thickness(std::uint32_t structure, Vec3 p, Vec3 normal) const {
     return std::min(depth(structure, p, normal, false), depth(structure, p, -1.0 * normal, true));
 }
 

@@ -1,4 +1,4 @@
-#include "anatomesh/field/planes/slants.h"
+#include "anatomesh/field/planes/obliquity.h"
 
 #include <gtest/gtest.h>
 
@@ -48,28 +48,28 @@ PatchesSeen half_space(const std::vector<double>& across) {
     return seen;
 }
 
-Slants slants_of(const PatchesSeen& seen, int threads) {
+ObliquityFactors obliquity_of(const PatchesSeen& seen, int threads) {
     RunContext context;
     context.threads = threads;
-    return Slants::of(seen, context);
+    return ObliquityFactors::of(seen, context);
 }
 
-TEST(Slants, planes_across_tell_how_near_the_boundary_is) {
+TEST(ObliquityFactors, planes_across_tell_how_near_the_boundary_is) {
     const PatchesSeen seen = half_space({-20, -10, 0, 10, 20});
-    const Slants slants = slants_of(seen, 2);
+    const ObliquityFactors obliquities = obliquity_of(seen, 2);
     for (double x = -20; x <= 20; x += 1.7) {
         for (double y = -20; y <= 20; y += 1.3) {
-            const double slant = slants.at(0, 7, seen.planes[0].to_plane({x, y, -depth}));
-            EXPECT_GE(slant, depth / seen.clamp) << x << " " << y;
-            EXPECT_LE(slant, 0.25) << x << " " << y;
+            const double obliquity = obliquities.at(0, 7, seen.planes[0].to_plane({x, y, -depth}));
+            EXPECT_GE(obliquity, depth / seen.clamp) << x << " " << y;
+            EXPECT_LE(obliquity, 0.25) << x << " " << y;
         }
     }
     // Those across see the boundary where it is: the plane along it says that it is further.
-    for (std::uint32_t n = 1; n < seen.planes.size(); ++n) EXPECT_EQ(slants.at(n, 7, {1, -3}), 1) << n;
-    EXPECT_EQ(slants.at(0, 8, {1, -3}), 1);
+    for (std::uint32_t n = 1; n < seen.planes.size(); ++n) EXPECT_EQ(obliquities.at(n, 7, {1, -3}), 1) << n;
+    EXPECT_EQ(obliquities.at(0, 8, {1, -3}), 1);
 }
 
-TEST(Slants, a_plane_on_which_a_structure_is_not_drawn_has_one_too) {
+TEST(ObliquityFactors, a_plane_on_which_a_structure_is_not_drawn_has_one_too) {
     PatchesSeen seen = half_space({-10, 0, 10});
     // Above the boundary.
     seen.planes[0] = make_plane({0, 0, depth}, {0, 0, 1});
@@ -78,24 +78,24 @@ TEST(Slants, a_plane_on_which_a_structure_is_not_drawn_has_one_too) {
         below(n, q, distances);
         if (n == 0) distances.clear();
     };
-    const Slants slants = slants_of(seen, 1);
-    EXPECT_EQ(slants.count(0), 1u);
-    EXPECT_LE(slants.at(0, 7, {3, 4}), 0.25);
-    EXPECT_GE(slants.at(0, 7, {3, 4}), depth / seen.clamp);
+    const ObliquityFactors obliquities = obliquity_of(seen, 1);
+    EXPECT_EQ(obliquities.count(0), 1u);
+    EXPECT_LE(obliquities.at(0, 7, {3, 4}), 0.25);
+    EXPECT_GE(obliquities.at(0, 7, {3, 4}), depth / seen.clamp);
 }
 
-TEST(Slants, parallel_planes_have_none) {
+TEST(ObliquityFactors, parallel_planes_have_none) {
     PatchesSeen seen = half_space({});
     seen.planes.push_back(make_plane({0, 0, -2 * depth}, {0, 0, 1}));
     seen.boxes.push_back(seen.boxes.front());
-    const Slants slants = slants_of(seen, 1);
-    EXPECT_EQ(slants.count(0), 0u);
-    EXPECT_EQ(slants.count(1), 0u);
-    EXPECT_EQ(Slants().at(0, 7, {}), 1);
+    const ObliquityFactors obliquities = obliquity_of(seen, 1);
+    EXPECT_EQ(obliquities.count(0), 0u);
+    EXPECT_EQ(obliquities.count(1), 0u);
+    EXPECT_EQ(ObliquityFactors().at(0, 7, {}), 1);
 }
 
-TEST(Slants, between_nodes_linear_and_beyond_them_as_at_the_edge) {
-    const SlantMap map(3, {10, 20}, 2, 3, {0.1F, 0.2F, 0.3F, 0.5F, 0.6F, 0.7F});
+TEST(ObliquityFactors, between_nodes_linear_and_beyond_them_as_at_the_edge) {
+    const ObliquityMap map(3, {10, 20}, 2, 3, {0.1F, 0.2F, 0.3F, 0.5F, 0.6F, 0.7F});
     EXPECT_NEAR(map.at({11, 20}), 0.15, 1e-6);
     EXPECT_NEAR(map.at({11, 21}), 0.35, 1e-6);
     EXPECT_NEAR(map.at({14, 22}), 0.7, 1e-6);
@@ -117,7 +117,7 @@ ContourSet ball_on_stacks(double radius, double spacing, double first) {
 
 // Half-way between the planes across, where the plane below the pole alone would say that the boundary is
 // half a spacing away.
-TEST(Slants, the_surface_keeps_by_a_plane_that_runs_along_it) {
+TEST(ObliquityFactors, the_surface_keeps_by_a_plane_that_runs_along_it) {
     const double radius = 60, spacing = 12;
     for (const double below : {0.1, 0.3, 1.0, 2.0, 4.0}) {
         RunContext context;
@@ -138,13 +138,13 @@ TEST(Slants, the_surface_keeps_by_a_plane_that_runs_along_it) {
                 ++count;
             }
         }
-        EXPECT_LT(sum / count, 0.7) << below;  // 1.1 to 4 mm without slants
+        EXPECT_LT(sum / count, 0.7) << below;  // 1.1 to 4 mm without obliquity factors
     }
 }
 
 // Oblique stacks moved as a whole: planes that meet at any angle say the same wherever they lie, and in any
 // order.
-TEST(Slants, are_the_same_wherever_the_planes_lie) {
+TEST(ObliquityFactors, are_the_same_wherever_the_planes_lie) {
     const double radius = 60, spacing = 10;
     const auto stacks = [&](Vec3 center, bool backwards) {
         std::vector<Plane> planes;

@@ -1,4 +1,4 @@
-#include "anatomesh/field/stack/track.h"
+#include "anatomesh/field/stack/structure_stack.h"
 
 #include <algorithm>
 #include <iterator>
@@ -12,7 +12,7 @@ namespace anatomesh {
 namespace {
 
 // Takes the edges of a part out of those of its region, in which those of a hole run the other way.
-void take_out(std::vector<Edge2>& region, const LonePart& part) {
+void take_out(std::vector<Edge2>& region, const TerminatingComponent& part) {
     const auto key = [](const Edge2& edge) { return std::tuple(edge.a.x, edge.a.y, edge.b.x, edge.b.y); };
     const auto before = [&](const Edge2& e, const Edge2& f) { return key(e) < key(f); };
     std::vector<Edge2> edges = part.edges;
@@ -27,15 +27,16 @@ void take_out(std::vector<Edge2>& region, const LonePart& part) {
 
 }  // namespace
 
-Track::Track(StructureLevels levels, const std::vector<std::int32_t>& map_of_slice, bool rounded)
+StructureStack::StructureStack(StructureLevels levels, const std::vector<std::int32_t>& map_of_slice,
+                               bool rounded)
     : flat_(std::move(levels.flat)), rounded_(rounded) {
     for (const Level& level : levels.levels) {
         levels_.push_back({level.low, level.high,
                            level.slice == Level::no_slice ? empty_level : map_of_slice[level.slice]});
     }
     motions_.resize(levels_.size() - 1);
-    lone_ends_.resize(levels_.size() - 1);
-    lone_boxes_.resize(levels_.size() - 1);
+    terminations_.resize(levels_.size() - 1);
+    terminating_boxes_.resize(levels_.size() - 1);
     rest_.resize(levels_.size() - 1);
     is_flat_ = std::any_of(flat_.begin(), flat_.end(), [](const auto& e) { return std::isfinite(e.low); });
     const double length = high() - low();
@@ -51,65 +52,67 @@ Track::Track(StructureLevels levels, const std::vector<std::int32_t>& map_of_sli
     }
 }
 
-void Track::find_lone_ends(std::size_t i, const Maps& maps, double clamp, bool domes) {
+void StructureStack::find_terminations(std::size_t i, const Maps& maps, double clamp, bool paraboloids) {
     const DistanceMap *below = map_at(i, maps), *above = map_at(i + 1, maps);
     if (is_flat_ || below == nullptr || above == nullptr) return;
     for (const bool from_below : {true, false}) {
-        std::vector<LonePart> parts =
-            from_below ? lone_parts(*below, *above, gap(i)) : lone_parts(*above, *below, gap(i));
-        if (domes) add_domes(i, parts, from_below, maps, clamp);
-        std::erase_if(parts, [](const LonePart& part) { return !part.is_sure; });
-        add_lone_ends(i, parts, from_below, clamp);
+        std::vector<TerminatingComponent> parts = from_below ? terminating_components(*below, *above, gap(i))
+                                                             : terminating_components(*above, *below, gap(i));
+        if (paraboloids) add_paraboloid_caps(i, parts, from_below, maps, clamp);
+        std::erase_if(parts, [](const TerminatingComponent& part) { return !part.is_sure; });
+        add_terminations(i, parts, from_below, clamp);
     }
 }
 
-void Track::add_domes(std::size_t i, std::vector<LonePart>& parts, bool from_below, const Maps& maps,
-                      double clamp) {
+void StructureStack::add_paraboloid_caps(std::size_t i, std::vector<TerminatingComponent>& parts,
+                                         bool from_below, const Maps& maps, double clamp) {
     if (from_below && i == 0) return;
     const DistanceMap *section = map_at(from_below ? i : i + 1, maps),
                       *before = map_at(from_below ? i - 1 : i + 2, maps);
     if (before == nullptr) return;
     const double gap_before = gap(from_below ? i - 1 : i + 1);
-    std::vector<LoneEnd> domed;
+    std::vector<Termination> capped;
     std::vector<Edge2> rest(section->edges().begin(), section->edges().end());
-    std::vector<bool> is_domed(parts.size(), false);
+    std::vector<bool> is_capped(parts.size(), false);
     for (std::size_t p = 0; p < parts.size(); ++p) {
-        const LonePart& part = parts[p];
+        const TerminatingComponent& part = parts[p];
         Box2 box;
         for (const Edge2& edge : part.edges) box.extend(edge.a);
         const Vec2 size = box.high - box.low;
         DistanceMap map(part.edges, std::max(clamp, 0.5 * std::min(size.x, size.y)));
-        const std::optional<Dome> dome = dome_of(map, part.is_void, *before, gap_before, gap(i));
-        is_domed[p] = dome && (part.is_sure || dome->is_whole());
-        if (!is_domed[p]) continue;
+        const std::optional<ParaboloidCap> paraboloid =
+            paraboloid_cap_of(map, part.is_void, *before, gap_before, gap(i));
+        is_capped[p] = paraboloid && (part.is_sure || paraboloid->is_whole());
+        if (!is_capped[p]) continue;
         take_out(rest, part);
-        domed.push_back({std::move(map), box.grown(clamp), from_below, part.is_void, dome});
+        capped.push_back({std::move(map), box.grown(clamp), from_below, part.is_void, paraboloid});
     }
-    if (domed.empty() || rest.empty()) return;
-    std::vector<LonePart> others;
+    if (capped.empty() || rest.empty()) return;
+    std::vector<TerminatingComponent> others;
     for (std::size_t p = 0; p < parts.size(); ++p) {
-        if (!is_domed[p]) others.push_back(std::move(parts[p]));
+        if (!is_capped[p]) others.push_back(std::move(parts[p]));
     }
     parts = std::move(others);
-    std::move(domed.begin(), domed.end(), std::back_inserter(lone_ends_[i]));
+    std::move(capped.begin(), capped.end(), std::back_inserter(terminations_[i]));
     rest_[i][from_below ? 0 : 1] = std::make_unique<DistanceMap>(std::move(rest), clamp);
 }
 
-void Track::add_lone_ends(std::size_t i, const std::vector<LonePart>& parts, bool from_below, double clamp) {
+void StructureStack::add_terminations(std::size_t i, const std::vector<TerminatingComponent>& parts,
+                                      bool from_below, double clamp) {
     for (const bool is_void : {true, false}) {
         std::vector<Edge2> edges;
-        for (const LonePart& part : parts) {
+        for (const TerminatingComponent& part : parts) {
             if (part.is_void == is_void) edges.insert(edges.end(), part.edges.begin(), part.edges.end());
         }
         if (edges.empty()) continue;
         DistanceMap map(std::move(edges), clamp);
         const Box2 box = map.box();
-        lone_ends_[i].push_back({std::move(map), box, from_below, is_void, {}});
+        terminations_[i].push_back({std::move(map), box, from_below, is_void, {}});
     }
-    sort_lone_ends(i);
+    sort_terminations(i);
 }
 
-void Track::find_motion(std::size_t i, const Maps& maps) {
+void StructureStack::find_motion(std::size_t i, const Maps& maps) {
     const DistanceMap *below = map_at(i, maps), *above = map_at(i + 1, maps);
     if (below == nullptr || above == nullptr) return;
     SliceMotion::Beyond further_below, further_above;
@@ -117,7 +120,7 @@ void Track::find_motion(std::size_t i, const Maps& maps) {
     if (map_at(i + 2, maps)) further_above = {map_at(i + 2, maps), gap(i + 1), {}};
     // Where what ends is the nearest, the slice beyond says nothing about how a path bends.
     const auto add_ends = [&](std::size_t pair, bool from_below, SliceMotion::Beyond& beyond) {
-        for (const LoneEnd& lone : lone_ends_[pair]) {
+        for (const Termination& lone : terminations_[pair]) {
             if (lone.from_below == from_below) beyond.ending.push_back(&lone.map);
         }
     };
@@ -127,15 +130,15 @@ void Track::find_motion(std::size_t i, const Maps& maps) {
 }
 
 // Holes before pieces, and their boxes.
-void Track::sort_lone_ends(std::size_t i) {
-    std::vector<LoneEnd>& ends = lone_ends_[i];
-    std::stable_partition(ends.begin(), ends.end(), [](const LoneEnd& lone) { return lone.is_void; });
-    lone_boxes_[i].clear();
-    for (const LoneEnd& lone : ends) lone_boxes_[i].push_back(lone.box);
+void StructureStack::sort_terminations(std::size_t i) {
+    std::vector<Termination>& ends = terminations_[i];
+    std::stable_partition(ends.begin(), ends.end(), [](const Termination& lone) { return lone.is_void; });
+    terminating_boxes_[i].clear();
+    for (const Termination& lone : ends) terminating_boxes_[i].push_back(lone.box);
 }
 
-ANATOMESH_CLONES double Track::blend(const Maps& maps, double clamp, Vec2 q, double z, double reach,
-                                     double* end, bool lone_ends) const {
+ANATOMESH_CLONES double StructureStack::blend(const Maps& maps, double clamp, Vec2 q, double z, double reach,
+                                              double* end, bool terminations) const {
     if (levels_.empty() || !(z > low() && z < high())) return clamp;
     const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
     std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
@@ -169,8 +172,8 @@ ANATOMESH_CLONES double Track::blend(const Maps& maps, double clamp, Vec2 q, dou
     const std::uint32_t at_a = a.place(from), at_b = b.place(to);
     a.prefetch(at_a);
     b.prefetch(at_b);
-    const std::size_t lone = first_lone_end(i, q), lone_count = lone_boxes_[i].size();
-    if (reach < clamp && (lone == lone_count || !is_near_lone_end(i, lone, q, clamp))) {
+    const std::size_t lone = first_termination(i, q), terminating_count = terminating_boxes_[i].size();
+    if (reach < clamp && (lone == terminating_count || !is_near_termination(i, lone, q, clamp))) {
         // A weighted mean of two distances is not below the smaller one.
         const DistanceMap::Bound in_a = a.bound(at_a), in_b = b.bound(at_b);
         const double beyond = std::min(in_a.at_least, in_b.at_least) - std::abs(bow_of(t, path));
@@ -181,27 +184,28 @@ ANATOMESH_CLONES double Track::blend(const Maps& maps, double clamp, Vec2 q, dou
     b.prefetch_edges(at_b);
     const double value = blend_distances(a.value(from, at_a), b.value(to, at_b), t, gap, 0.5 * clamp, path);
     const double clamped = std::clamp(value, -clamp, clamp);
-    return lone_ends && lone != lone_count ? with_lone_ends(i, lone, q, t, clamp, clamped, end) : clamped;
+    return terminations && lone != terminating_count ? with_terminations(i, lone, q, t, clamp, clamped, end)
+                                                     : clamped;
 }
 
-bool Track::is_near_lone_end(std::size_t i, std::size_t first, Vec2 q, double clamp) const {
-    const std::vector<Box2>& boxes = lone_boxes_[i];
+bool StructureStack::is_near_termination(std::size_t i, std::size_t first, Vec2 q, double clamp) const {
+    const std::vector<Box2>& boxes = terminating_boxes_[i];
     for (std::size_t n = first; n < boxes.size(); ++n) {
         if (!boxes[n].contains(q)) continue;
-        const DistanceMap::Bound bound = lone_ends_[i][n].map.bound(q);
+        const DistanceMap::Bound bound = terminations_[i][n].map.bound(q);
         if (bound.sign <= 0 || bound.at_least < clamp) return true;
     }
     return false;
 }
 
 // A value between levels i and i + 1 with the parts that end there, first the holes, then the pieces.
-double Track::with_lone_ends(std::size_t i, std::size_t first, Vec2 q, double t, double clamp, double value,
-                             double* end) const {
+double StructureStack::with_terminations(std::size_t i, std::size_t first, Vec2 q, double t, double clamp,
+                                         double value, double* end) const {
     const double gap = this->gap(i);
-    const std::vector<Box2>& boxes = lone_boxes_[i];
+    const std::vector<Box2>& boxes = terminating_boxes_[i];
     for (std::size_t n = first; n < boxes.size(); ++n) {
         if (!boxes[n].contains(q)) continue;
-        const LoneEnd& lone = lone_ends_[i][n];
+        const Termination& lone = terminations_[i][n];
         const double away = lone.from_below ? t : 1 - t, d = lone.map.value(q);
         const double ends = std::clamp(lone.value(d, away, gap, rounded_), -clamp, clamp);
         value = lone.is_void ? std::max(value, -ends) : std::min(value, ends);

@@ -1,4 +1,4 @@
-#include "anatomesh/sample/wall_gauge.h"
+#include "anatomesh/sample/local_thickness.h"
 
 #include <gtest/gtest.h>
 
@@ -16,36 +16,38 @@ Distance plate(double thickness) {
     return [=](Vec3 p) { return std::abs(p.z) - 0.5 * thickness; };
 }
 
-TEST(WallGauge, measures_a_plate_up_to_its_reach) {
+TEST(LocalThickness, measures_a_plate_up_to_its_reach) {
     for (const double thickness : {0.15, 0.3, 0.5, 0.77, 0.99}) {
         const AnalyticField field({plate(thickness)}, 10);
-        const WallGauge gauge(field, 1);
-        EXPECT_NEAR(gauge.thickness(0, {1, 2, 0.5 * thickness}, {0, 0, 1}), thickness, 0.07) << thickness;
-        EXPECT_NEAR(gauge.thickness(0, {1, 2, -0.5 * thickness}, {0, 0, -1}), thickness, 0.07) << thickness;
+        const LocalThickness local_thickness(field, 1);
+        EXPECT_NEAR(local_thickness.thickness(0, {1, 2, 0.5 * thickness}, {0, 0, 1}), thickness, 0.07)
+            << thickness;
+        EXPECT_NEAR(local_thickness.thickness(0, {1, 2, -0.5 * thickness}, {0, 0, -1}), thickness, 0.07)
+            << thickness;
     }
     const AnalyticField thick({plate(1.2)}, 10);
-    EXPECT_EQ(WallGauge(thick, 1).thickness(0, {0, 0, 0.6}, {0, 0, 1}), 1);
+    EXPECT_EQ(LocalThickness(thick, 1).thickness(0, {0, 0, 0.6}, {0, 0, 1}), 1);
 }
 
-TEST(WallGauge, measures_the_gap_between_two_parts) {
+TEST(LocalThickness, measures_the_gap_between_two_parts) {
     for (const double gap : {0.2, 0.6}) {
         const AnalyticField field({[=](Vec3 p) { return 0.5 * gap - std::abs(p.z); }}, 10);
-        EXPECT_NEAR(WallGauge(field, 1).thickness(0, {0, 0, 0.5 * gap}, {0, 0, -1}), gap, 0.07) << gap;
+        EXPECT_NEAR(LocalThickness(field, 1).thickness(0, {0, 0, 0.5 * gap}, {0, 0, -1}), gap, 0.07) << gap;
     }
 }
 
-TEST(WallGauge, a_wall_thinner_than_a_sixteenth_of_the_reach_counts_as_that) {
+TEST(LocalThickness, a_wall_thinner_than_a_sixteenth_of_the_reach_counts_as_that) {
     const AnalyticField field({plate(0.01)}, 10);
-    EXPECT_EQ(WallGauge(field, 1).thickness(0, {0, 0, 0.005}, {0, 0, 1}), 1.0 / 16);
+    EXPECT_EQ(LocalThickness(field, 1).thickness(0, {0, 0, 0.005}, {0, 0, 1}), 1.0 / 16);
 }
 
-TEST(WallGauge, finds_the_normal) {
+TEST(LocalThickness, finds_the_normal) {
     const AnalyticField field({ball({1, 0, 0}, 5)}, 10);
-    const WallGauge gauge(field, 1);
-    const auto normal = gauge.normal(0, {1, 3, 4});
+    const LocalThickness local_thickness(field, 1);
+    const auto normal = local_thickness.normal(0, {1, 3, 4});
     ASSERT_TRUE(normal.has_value());
     EXPECT_LT(length(*normal - Vec3{0, 0.6, 0.8}), 1e-3);
-    EXPECT_FALSE(gauge.normal(0, {100, 0, 0}).has_value());  // clamped: flat
+    EXPECT_FALSE(local_thickness.normal(0, {100, 0, 0}).has_value());  // clamped: flat
 }
 
 TEST(ThinWalls, levels_rise_as_walls_get_thinner) {

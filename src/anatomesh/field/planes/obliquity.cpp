@@ -1,4 +1,4 @@
-#include "anatomesh/field/planes/slants.h"
+#include "anatomesh/field/planes/obliquity.h"
 
 #include <algorithm>
 #include <cassert>
@@ -11,9 +11,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double most_nodes = 64;     // on the longer side of a grid
-constexpr float least_slant = 0.05F;  // the surface has to keep off the plane but on its contours
-constexpr float hardly = 0.99F;       // a slant: from there on it is none
+constexpr double most_nodes = 64;         // on the longer side of a grid
+constexpr float least_obliquity = 0.05F;  // the surface has to keep off the plane but on its contours
+constexpr float hardly = 0.99F;           // a obliquity factor: from there on it is none
 // How much further the boundary may be from the point than from its foot on the other plane, a share of the
 // way there: where planes are few, as far apart as the structure is bent, feet near the boundary tell little.
 constexpr double change_on_the_way = 0.25;
@@ -31,10 +31,10 @@ double distance_of(const std::vector<DistanceInPlane>& drawn, std::uint32_t stru
     return at == drawn.end() ? clamp : at->distance;
 }
 
-// The slants on one patch.
-class PatchSlants {
+// The obliquity factors on one patch.
+class PatchObliquity {
   public:
-    PatchSlants(const PatchesSeen& seen, std::uint32_t patch)
+    PatchObliquity(const PatchesSeen& seen, std::uint32_t patch)
         : seen_(seen), patch_(patch), box_(seen.boxes[patch]) {
         const double width = box_.high.x - box_.low.x, height = box_.high.y - box_.low.y;
         cell_ = std::max(seen.cell, std::max(width, height) / (most_nodes - 2));
@@ -42,11 +42,11 @@ class PatchSlants {
         ny_ = static_cast<std::uint32_t>(height / cell_) + 2;
     }
 
-    std::vector<SlantMap> run() {
+    std::vector<ObliquityMap> run() {
         for (std::uint32_t j = 0; j < ny_; ++j) {
             for (std::uint32_t i = 0; i < nx_; ++i) look_from(i, j);
         }
-        std::vector<SlantMap> maps;
+        std::vector<ObliquityMap> maps;
         for (auto& [structure, values] : values_) {
             if (std::any_of(values.begin(), values.end(), [](float v) { return v < hardly; }))
                 maps.push_back(cropped(structure, values));
@@ -68,8 +68,8 @@ class PatchSlants {
         std::sort(structures_.begin(), structures_.end());
         structures_.erase(std::unique(structures_.begin(), structures_.end()), structures_.end());
         for (const std::uint32_t structure : structures_) {
-            const double slant = slant_of(structure);
-            if (slant < 1) values_of(structure)[std::size_t{j} * nx_ + i] = static_cast<float>(slant);
+            const double obliquity = obliquity_at(structure);
+            if (obliquity < 1) values_of(structure)[std::size_t{j} * nx_ + i] = static_cast<float>(obliquity);
         }
     }
 
@@ -90,7 +90,7 @@ class PatchSlants {
         }
     }
 
-    double slant_of(std::uint32_t structure) const {
+    double obliquity_at(std::uint32_t structure) const {
         const double own = distance_of(own_, structure, seen_.clamp);
         double total = 1 / seen_.radius, sum = total;
         for (std::size_t k = 0; k < count_; ++k) {
@@ -114,7 +114,7 @@ class PatchSlants {
     }
 
     // Without the rows and columns where there is hardly any, but for those next to others.
-    SlantMap cropped(std::uint32_t structure, const std::vector<float>& values) const {
+    ObliquityMap cropped(std::uint32_t structure, const std::vector<float>& values) const {
         std::uint32_t left = nx_ - 1, right = 0, low = ny_ - 1, high = 0;
         for (std::uint32_t j = 0; j < ny_; ++j) {
             for (std::uint32_t i = 0; i < nx_; ++i) {
@@ -128,7 +128,7 @@ class PatchSlants {
         std::vector<float> kept;
         for (std::uint32_t j = low; j <= high; ++j) {
             for (std::uint32_t i = left; i <= right; ++i)
-                kept.push_back(std::max(least_slant, values[std::size_t{j} * nx_ + i]));
+                kept.push_back(std::max(least_obliquity, values[std::size_t{j} * nx_ + i]));
         }
         return {structure,
                 {box_.low.x + left * cell_, box_.low.y + low * cell_},
@@ -152,8 +152,8 @@ class PatchSlants {
 
 }  // namespace
 
-SlantMap::SlantMap(std::uint32_t structure, Vec2 low, double cell, std::uint32_t nx,
-                   std::vector<float> values)
+ObliquityMap::ObliquityMap(std::uint32_t structure, Vec2 low, double cell, std::uint32_t nx,
+                           std::vector<float> values)
     : structure_(structure),
       nx_(nx),
       ny_(static_cast<std::uint32_t>(values.size() / nx)),
@@ -163,7 +163,7 @@ SlantMap::SlantMap(std::uint32_t structure, Vec2 low, double cell, std::uint32_t
     assert(nx_ > 1 && ny_ > 1 && values_.size() == std::size_t{nx_} * ny_);
 }
 
-double SlantMap::at(Vec2 q) const {
+double ObliquityMap::at(Vec2 q) const {
     const double x = std::clamp((q.x - low_.x) * inverse_cell_, 0.0, nx_ - 1.0),
                  y = std::clamp((q.y - low_.y) * inverse_cell_, 0.0, ny_ - 1.0);
     const std::uint32_t i = std::min(static_cast<std::uint32_t>(x), nx_ - 2),
@@ -173,16 +173,16 @@ double SlantMap::at(Vec2 q) const {
     return (1 - up) * ((1 - along) * v[0] + along * v[1]) + up * ((1 - along) * v[nx_] + along * v[nx_ + 1]);
 }
 
-Slants Slants::of(const PatchesSeen& seen, RunContext& context) {
-    Slants slants;
-    slants.maps_.resize(seen.planes.size());
+ObliquityFactors ObliquityFactors::of(const PatchesSeen& seen, RunContext& context) {
+    ObliquityFactors obliquities;
+    obliquities.maps_.resize(seen.planes.size());
     parallel_for(seen.planes.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end && !context.cancelled(); ++n) {
             if (!seen.boxes[n].empty())
-                slants.maps_[n] = PatchSlants(seen, static_cast<std::uint32_t>(n)).run();
+                obliquities.maps_[n] = PatchObliquity(seen, static_cast<std::uint32_t>(n)).run();
         }
     });
-    return slants;
+    return obliquities;
 }
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/field/stack/lone_parts.h"
+#include "anatomesh/field/stack/terminating_components.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,9 +68,9 @@ bool is_apart(std::span<const Edge2> edges, const Loop& loop, bool is_void, cons
 }
 
 // A loop with all that lies within it, the part on the left of the edges. Marks the loops within.
-LonePart part_within(std::span<const Edge2> edges, const std::vector<Loop>& loops, std::size_t outer,
-                     bool is_void, std::vector<bool>& is_within_one) {
-    LonePart part{{}, is_void, true};
+TerminatingComponent part_within(std::span<const Edge2> edges, const std::vector<Loop>& loops,
+                                 std::size_t outer, bool is_void, std::vector<bool>& is_within_one) {
+    TerminatingComponent part{{}, is_void, true};
     for (const std::uint32_t e : loops[outer]) part.edges.push_back(edges[e]);
     const std::vector<Edge2> outline = part.edges;
     Box2 box;
@@ -88,7 +88,7 @@ LonePart part_within(std::span<const Edge2> edges, const std::vector<Loop>& loop
 }
 
 // Whether no outline of the other region runs in the part: with is_apart(), that the two share no point.
-bool is_free_of(const LonePart& part, const DistanceMap& there) {
+bool is_free_of(const TerminatingComponent& part, const DistanceMap& there) {
     Box2 box;
     for (const Edge2& edge : part.edges) box.extend(edge.a);
     return std::none_of(there.edges().begin(), there.edges().end(), [&](const Edge2& edge) {
@@ -97,7 +97,7 @@ bool is_free_of(const LonePart& part, const DistanceMap& there) {
 }
 
 // The share of a part that lies in the region `there`, from a lattice of points.
-double covered_share(const LonePart& part, const DistanceMap& there) {
+double covered_share(const TerminatingComponent& part, const DistanceMap& there) {
     Box2 box;
     for (const Edge2& edge : part.edges) box.extend(edge.a);
     const Vec2 step = (1.0 / covered_lattice) * (box.high - box.low);
@@ -115,7 +115,7 @@ double covered_share(const LonePart& part, const DistanceMap& there) {
 
 // Whether a hole lies mostly, but not wholly, in the other region: with nothing in it here, and no hole of
 // the other one beginning in it.
-bool is_mostly_covered(const DistanceMap& here, const Loop& loop, const LonePart& part,
+bool is_mostly_covered(const DistanceMap& here, const Loop& loop, const TerminatingComponent& part,
                        const DistanceMap& there) {
     if (part.edges.size() != loop.size()) return false;
     // First the middles of a few chords: most holes go on as holes.
@@ -191,11 +191,12 @@ MatchedShare matched_share(const Loop& loop, double area, bool is_void, const Ma
 
 }  // namespace
 
-std::vector<LonePart> lone_parts(const DistanceMap& here, const DistanceMap& there, double gap) {
+std::vector<TerminatingComponent> terminating_components(const DistanceMap& here, const DistanceMap& there,
+                                                         double gap) {
     const std::span<const Edge2> edges = here.edges();
     const std::vector<Loop> loops = loops_of(edges);
     std::vector<bool> is_within_one(loops.size(), false);  // of the parts found
-    std::vector<LonePart> parts;
+    std::vector<TerminatingComponent> parts;
     std::optional<Matchable> match_here, match_there;
     for (std::size_t l = 0; l < loops.size(); ++l) {
         const bool is_void = twice_area(edges, loops[l]) < 0;
@@ -203,7 +204,7 @@ std::vector<LonePart> lone_parts(const DistanceMap& here, const DistanceMap& the
         const bool apart = is_apart(edges, loops[l], is_void, there);
         if (!apart && !is_void) continue;
         std::vector<bool> within = is_within_one;
-        LonePart part = part_within(edges, loops, l, is_void, within);
+        TerminatingComponent part = part_within(edges, loops, l, is_void, within);
         const bool is_alone = apart && is_free_of(part, there);
         if (!is_alone && !(is_void && is_mostly_covered(here, loops[l], part, there))) continue;
         if (!match_here) {
@@ -222,13 +223,14 @@ std::vector<LonePart> lone_parts(const DistanceMap& here, const DistanceMap& the
     return parts;
 }
 
-std::vector<LonePart> lone_parts_of_union(const DistanceMap& here, const DistanceMap* there,
-                                          const DistanceMap& all_here, const DistanceMap& all_there,
-                                          double gap) {
-    std::vector<LonePart> parts;
+std::vector<TerminatingComponent> terminating_components_of_union(const DistanceMap& here,
+                                                                  const DistanceMap* there,
+                                                                  const DistanceMap& all_here,
+                                                                  const DistanceMap& all_there, double gap) {
+    std::vector<TerminatingComponent> parts;
     if (there != nullptr) {
-        parts = lone_parts(here, *there, gap);
-        std::erase_if(parts, [](const LonePart& part) { return part.is_void || !part.is_sure; });
+        parts = terminating_components(here, *there, gap);
+        std::erase_if(parts, [](const TerminatingComponent& part) { return part.is_void || !part.is_sure; });
     } else {
         const std::vector<Loop> loops = loops_of(here.edges());
         std::vector<bool> is_within_one(loops.size(), false);
@@ -242,7 +244,7 @@ std::vector<LonePart> lone_parts_of_union(const DistanceMap& here, const Distanc
     const auto before = [&](const Edge2& e, const Edge2& f) { return key(e) < key(f); };
     std::vector<Edge2> free(all_here.edges().begin(), all_here.edges().end());  // what no two share
     std::sort(free.begin(), free.end(), before);
-    std::erase_if(parts, [&](const LonePart& part) {
+    std::erase_if(parts, [&](const TerminatingComponent& part) {
         const bool touches = std::any_of(part.edges.begin(), part.edges.end(), [&](const Edge2& edge) {
             return !std::binary_search(free.begin(), free.end(), edge, before);
         });

@@ -1,4 +1,5 @@
-// The dome that a part of a drawn region ends with, where its sections shrink towards its last slice.
+// The paraboloid cap that a part of a drawn region ends with, where its sections shrink towards its last
+// slice.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +14,10 @@ namespace anatomesh {
 // Over a point of the part's last section, as deep in it as the share x of its greatest depth, the part goes
 // on to the height `top`, but not beyond the paraboloid rise * x (2 - x): over a disc its section then
 // shrinks by equal areas, as that of a ball does.
-class Dome {
+class ParaboloidCap {
   public:
     // Requires: all > 0, mm. `depth`: the greatest of the section.
-    Dome(double depth, double rise, double top) : depth_(depth), rise_(rise), top_(top) {}
+    ParaboloidCap(double depth, double rise, double top) : depth_(depth), rise_(rise), top_(top) {}
 
     // Its height over a point at the signed distance d from the section's boundary; 0 outside.
     double height(double d) const {
@@ -24,8 +25,8 @@ class Dome {
         return std::min(top_, rise_ * x * (2 - x));
     }
 
-    // Negative inside; at the height h >= 0: d at h = 0, zero on the dome, and about the distance near it.
-    // Continuous.
+    // Negative inside; at the height h >= 0: d at h = 0, zero on the paraboloid cap, and about the distance
+    // near it. Continuous.
     double value(double d, double h) const {
         const double rim = 2 * rise_ / depth_;  // its slope there
         const double over = height(d), slope = rim * std::max(0.0, 1 + d / depth_);
@@ -41,13 +42,13 @@ class Dome {
     double depth_, rise_, top_;
 };
 
-// The dome of a part that is drawn as `section` and ends within `gap` (> 0, mm) of it, from how its boundary
-// lies in the region on the slice before, `gap_before` (> 0) away: the area goes on to fall as fast as it
-// fell between the two. Where that is nothing before the next slice, it is where the dome ends; else the dome
-// is cut off so low that it has the volume of half the gap. `is_void`: the part is a hole of that region.
-// Nothing where the section hardly shrinks: it ends flat. Requires: the section's distances reach as far as
-// it is deep.
-std::optional<Dome> dome_of(const DistanceMap& section, bool is_void, const DistanceMap& before,
-                            double gap_before, double gap);
+// The paraboloid cap of a part that is drawn as `section` and ends within `gap` (> 0, mm) of it, from how its
+// boundary lies in the region on the slice before, `gap_before` (> 0) away: the area goes on to fall as fast
+// as it fell between the two. Where that is nothing before the next slice, it is where the paraboloid cap
+// ends; else the paraboloid cap is cut off so low that it has the volume of half the gap. `is_void`: the part
+// is a hole of that region. Nothing where the section hardly shrinks: it ends flat. Requires: the section's
+// distances reach as far as it is deep.
+std::optional<ParaboloidCap> paraboloid_cap_of(const DistanceMap& section, bool is_void,
+                                               const DistanceMap& before, double gap_before, double gap);
 
 }  // namespace anatomesh

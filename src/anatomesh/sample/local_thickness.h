@@ -1,4 +1,4 @@
-// WallGauge: how thick a structure, or the gap between two of its parts, is at a point of its surface.
+// LocalThickness: how thick a structure, or the gap between two of its parts, is at a point of its surface.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 namespace anatomesh {
 
 // A mesh of edge length h loses walls and gaps thinner than about h: all vertices of a cell lie on the surface then, and
-// few of the cells know on which side they are. Where the gauge finds one, the sample is made finer.
+// few of the cells know on which side they are. Where one is found, the sample is made finer.
 // Thread-safe; the field must outlive it.
-class WallGauge {
+class LocalThickness {
   public:
     // Walls and gaps are looked for up to `reach` mm. > 0.
-    WallGauge(const StructureField& field, double reach) : field_(field), reach_(reach) {}
+    LocalThickness(const StructureField& field, double reach) : field_(field), reach_(reach) {}
 
     double reach() const { return reach_; }
 

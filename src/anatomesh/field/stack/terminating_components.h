@@ -9,7 +9,7 @@ namespace anatomesh {
 
 // A piece of a region (an outline with all that is drawn within it), or of what the region leaves free (a
 // hole with all that is drawn within it: is_void). The edges bound it, the part on their left.
-struct LonePart {
+struct TerminatingComponent {
     std::vector<Edge2> edges;
     bool is_void = false;
     bool is_sure = true;  // that it ends; else it may
@@ -23,14 +23,16 @@ struct LonePart {
 // covers by more than half of their area, with no hole there that begins in them. Requires: gap > 0, the
 // distance of the slices, mm. Complexity: linear in the edges where nothing is alone, else O(n log n + k n)
 // for k such parts and holes.
-std::vector<LonePart> lone_parts(const DistanceMap& here, const DistanceMap& there, double gap);
+std::vector<TerminatingComponent> terminating_components(const DistanceMap& here, const DistanceMap& there,
+                                                         double gap);
 
 // The outlines of a structure of a partition that end between `here` and `there` (null: where it is not drawn
 // at all), touch others, and less than half of whose area lies in the union of all, `all_there`: part of an
-// outline of the union, `all_here`, that goes on without them. Complexity: as lone_parts(), and O(n log n)
-// where there are any.
-std::vector<LonePart> lone_parts_of_union(const DistanceMap& here, const DistanceMap* there,
-                                          const DistanceMap& all_here, const DistanceMap& all_there,
-                                          double gap);
+// outline of the union, `all_here`, that goes on without them. Complexity: as terminating_components(), and
+// O(n log n) where there are any.
+std::vector<TerminatingComponent> terminating_components_of_union(const DistanceMap& here,
+                                                                  const DistanceMap* there,
+                                                                  const DistanceMap& all_here,
+                                                                  const DistanceMap& all_there, double gap);
 
 }  // namespace anatomesh
