@@ -119,7 +119,7 @@ TEST_P(Command, gives_the_same_bytes_with_options) {
 }
 
 INSTANTIATE_TEST_SUITE_P(sets, Command, ::testing::ValuesIn(fixtures::drawn_sets()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
 }  // namespace anatomesh

@@ -100,7 +100,7 @@ TEST_P(OneCall, tells_crossing_slices_and_priority) {
 }
 
 INSTANTIATE_TEST_SUITE_P(sets, OneCall, ::testing::ValuesIn(fixtures::drawn_sets()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 DrawnSet set_of(const std::string& name) {
     for (DrawnSet& set : fixtures::drawn_sets()) {

@@ -65,7 +65,7 @@ TEST_P(ModelDescription, gives_back_contours_that_follow_the_surface) {
 }
 
 INSTANTIATE_TEST_SUITE_P(sets, ModelDescription, ::testing::ValuesIn(fixtures::drawn_sets()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
 }  // namespace anatomesh
