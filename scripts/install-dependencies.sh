@@ -20,8 +20,8 @@ bench="libcgal-dev libgmp-dev libmpfr-dev tetgen gmsh python3-netgen libbenchmar
 python3-vtk9 python3-nibabel"
 
 # The second compiler and its sanitizers; libFuzzer.
-check="clang libclang-rt-14-dev"
-fuzz="$check"
+lanes="clang libclang-rt-14-dev"
+fuzz="$lanes"
 
 check=no
 wanted=
@@ -32,7 +32,7 @@ for argument in "$@"; do
         test) wanted="$wanted $test" ;;
         demo) wanted="$wanted $demo" ;;
         bench) wanted="$wanted $bench" ;;
-        check) wanted="$wanted $check" ;;
+        check) wanted="$wanted $lanes" ;;
         fuzz) wanted="$wanted $fuzz" ;;
         *) echo "install-dependencies.sh: unknown group '$argument'; known: build, test, demo, bench, check, fuzz" >&2; exit 2 ;;
     esac

@@ -14,7 +14,7 @@
 namespace anatomesh {
 
 // The slice of the contours that each of the vertices lies in, from its contour or along subsegments from
-// there; no_slice (improve/improve_dihedrals.h) for all others and for those where planes cross. `vertex_of`:
+// there; no_slice (improve/core/drawn_slices.h) for all others and for those where planes cross. `vertex_of`:
 // the vertex of every contour point. Complexity: O(vertices + subsegments).
 std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
                                               std::span<const std::uint32_t> vertex_of,

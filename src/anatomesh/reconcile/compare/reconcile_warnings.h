@@ -16,7 +16,7 @@ namespace anatomesh {
 inline constexpr double joinable_mm = 0.01;         // across contours: then common points can be put in
 inline constexpr double align_precision_mm = 1e-3;  // of shifts
 
-// Warnings W-RCN-001..011, of the stats of reconcile_contours() for `set` as kept. None where no slices
+// Warnings W-RCN-001..013, of the stats of reconcile_contours() for `set` as kept. None where no slices
 // cross.
 void warn_of_reconciling(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
                          std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
