@@ -13,7 +13,7 @@ above it, ends with a tag: [unit; range; SOURCE]. SOURCE begins with a letter:
     B   a budget: it bounds time or memory
     D   a definition: mathematics, rounding of doubles, a file format's own number
 
-Numbers that are made of mathematical constants, limits of a type and other names alone need no tag.
+A number has a declaration of its own. Numbers that are made of mathematical constants, limits of a type and other names alone need no tag.
 """
 import collections
 import pathlib
@@ -32,6 +32,16 @@ Constant = collections.namedtuple("Constant", "path line name value text tag")
 def is_named_elsewhere(value):
     """Whether a value is made of names alone: it has no digit that is not part of a name."""
     return not re.search(r"(?<![\w.])\d", value)
+
+
+def declares_several(value):
+    """Whether a declaration goes on with a further number: it has a comma outside of brackets."""
+    depth = 0
+    for c in value:
+        depth += (c in "({[<") - (c in ")}]>")
+        if c == "," and depth == 0:
+            return True
+    return False
 
 
 def joined(lines, at):
@@ -79,7 +89,8 @@ def constants(folder):
             if is_named_elsewhere(value):
                 continue
             text = comment_of(lines, at, match["rest"])
-            found.append(Constant(path.relative_to(ROOT), at + 1, match["name"], value, text, TAG.search(text)))
+            tag = None if declares_several(value) else TAG.search(text)
+            found.append(Constant(path.relative_to(ROOT), at + 1, match["name"], value, text, tag))
     return found
 
 
@@ -113,11 +124,9 @@ def page(found):
 def main():
     found = [item for folder in ("src", "apps") for item in constants(ROOT / folder)]
     untagged = [item for item in found if not item.tag]
-    values = collections.defaultdict(dict)
-    for item in found:
-        values[item.name].setdefault(re.sub(r"\s", "", item.value), item)
     for item in untagged:
-        print(f"{item.path}:{item.line}: {item.name} has no tag [unit; range; SOURCE]")
+        several = declares_several(item.value)
+        print(f"{item.path}:{item.line}: {item.name} " + ("stands in one declaration with others" if several else "has no tag [unit; range; SOURCE]"))
     if "--check" not in sys.argv[1:]:
         PAGE.write_text(page([item for item in found if item.tag]), encoding="utf-8")
         return 0
