@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "anatomesh/reconcile/move/contour_graph.h"
 #include "anatomesh/slices/lines/arc.h"
@@ -157,6 +158,49 @@ void summarize(std::span<const LineComparison> comparisons, ReconcileStats& stat
     stats.median_mm = figures.median;
     stats.p95_mm = figures.p95;
     stats.max_mm = figures.max;
+}
+
+bool is_pair_before(const PairDisagreement& p, const PairDisagreement& q) {
+    return std::tie(p.slice_a, p.slice_b) < std::tie(q.slice_a, q.slice_b);
+}
+
+void summarize_after(std::span<const LineComparison> comparisons, ReconcileStats& stats) {
+    for (const PairDisagreement& after : disagreements(comparisons)) {
+        stats.difference_after_mm += after.difference_mm;
+        const auto at = std::lower_bound(stats.pairs.begin(), stats.pairs.end(), after, is_pair_before);
+        if (at != stats.pairs.end() && at->slice_a == after.slice_a && at->slice_b == after.slice_b) {
+            at->difference_after_mm = after.difference_mm;
+        } else if (after.difference_mm > 0) {
+            PairDisagreement added{after.slice_a, after.slice_b, 0, 0, 0, 0, 0, 0, after.difference_mm};
+            stats.pairs.insert(at, added);
+        }
+    }
+}
+
+void summarize_movements(const ContourSet& set, const DrawnPlaces& drawn, ReconcileStats& stats) {
+    double sum = 0;
+    stats.max_movement_mm = 0;
+    std::size_t count = 0;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        SliceMovement& movement = stats.movements[s];
+        double of_slice = 0;
+        movement.max_mm = 0;
+        std::size_t vertices = 0;
+        for (const Contour& contour : set.contours_of(set.slices[s])) {
+            for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+                if (!drawn.is_drawn[k]) continue;
+                const double distance = length(set.points[k] - drawn.at[k]);
+                of_slice += distance;
+                movement.max_mm = std::max(movement.max_mm, distance);
+                ++vertices;
+            }
+        }
+        movement.mean_mm = of_slice / static_cast<double>(std::max<std::size_t>(1, vertices));
+        stats.max_movement_mm = std::max(stats.max_movement_mm, movement.max_mm);
+        sum += of_slice;
+        count += vertices;
+    }
+    stats.mean_movement_mm = sum / static_cast<double>(std::max<std::size_t>(1, count));
 }
 
 std::optional<WorstPlace> worst_pair(const ContourSet& set, std::span<const LineComparison> comparisons,

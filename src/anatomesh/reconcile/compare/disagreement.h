@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "anatomesh/reconcile/compare/reconcile_stats.h"
+#include "anatomesh/reconcile/move/drawn_places.h"
 #include "anatomesh/slices/lines/line_ends.h"
 
 namespace anatomesh {
@@ -14,8 +15,17 @@ namespace anatomesh {
 // One entry a pair of slices that has comparisons, in their order.
 std::vector<PairDisagreement> disagreements(std::span<const LineComparison> comparisons);
 
+// The order in which pairs of slices stand: by their slices.
+bool is_pair_before(const PairDisagreement& p, const PairDisagreement& q);
+
 // Fills the figures over all ends of all comparisons.
 void summarize(std::span<const LineComparison> comparisons, ReconcileStats& stats);
+
+// Fills how much the slices differ after reconciling, in all and by pair. `comparisons`: of the kept set.
+void summarize_after(std::span<const LineComparison> comparisons, ReconcileStats& stats);
+
+// Fills how far the drawn vertices moved, in all and by slice. O(points).
+void summarize_movements(const ContourSet& set, const DrawnPlaces& drawn, ReconcileStats& stats);
 
 struct WorstPlace {
     std::uint32_t a = 0, b = 0, structure = 0;

@@ -59,12 +59,16 @@ struct TakenOver {
     double farthest_mm = 0;  // of the contour from the line
 };
 
-struct ReconcileStats {
-    std::vector<PairDisagreement> pairs;   // of crossing slices that draw something there, in order
-    std::vector<SliceMovement> movements;  // per slice of the set
+// All slices on all common lines together.
+struct TotalDisagreement {
     std::uint64_t ends = 0, unmatched = 0;
     double median_mm = 0, p95_mm = 0, max_mm = 0;  // over all ends, as drawn (after align)
     double difference_mm = 0, difference_after_mm = 0;
+};
+
+struct ReconcileStats : TotalDisagreement {
+    std::vector<PairDisagreement> pairs;   // of crossing slices that draw something there, in order
+    std::vector<SliceMovement> movements;  // per slice of the set
     double mean_movement_mm = 0, max_movement_mm = 0;
     std::uint64_t shared_points = 0;         // points on common lines that contours of both slices now have
     FoldStats folds;                         // that the movement made, cut off

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -10,178 +9,16 @@
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/geom/point_grid.h"
+#include "anatomesh/reconcile/move/end_groups.h"
 #include "anatomesh/reconcile/move/lay_out_points.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr double snap_mm = 0.05;  // across the contour
-constexpr double same_point_mm = 1e-6;
+constexpr double snap_mm = 0.05;             // across the contour
 constexpr double merge_mm = 0.03;            // of a moved vertex with a shared point beside it
 constexpr double least_interval_mm = 0.001;  // on a common line: a shorter one is none
-constexpr double least_weight = 1e-6;
-
-// A place with a line that it has to stay on.
-struct Membership {
-    std::uint32_t root = 0, place = 0;
-    const Line* line = nullptr;
-    const LineEnd* end = nullptr;
-};
-
-std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
-// Every matched end with its line, by group, in order of places.
-std::vector<Membership> memberships(const EndPlaces& ends, std::span<const LineComparison> comparisons) {
-    std::vector<std::uint32_t> parent(ends.places.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    std::vector<Membership> members;
-    for (std::size_t c = 0; c < comparisons.size(); ++c) {
-        const LineComparison& comparison = comparisons[c];
-        for (const auto& [i, j] : comparison.matching.matched) {
-            const std::uint32_t p = ends.of_a[c][i], q = ends.of_b[c][j];
-            members.push_back({0, p, &comparison.line, &comparison.ends_a[i]});
-            members.push_back({0, q, &comparison.line, &comparison.ends_b[j]});
-            const std::uint32_t root_p = find_root(parent, p), root_q = find_root(parent, q);
-            parent[std::max(root_p, root_q)] = std::min(root_p, root_q);
-        }
-    }
-    for (Membership& member : members) member.root = find_root(parent, member.place);
-    std::stable_sort(members.begin(), members.end(), [](const Membership& p, const Membership& q) {
-        return std::tie(p.root, p.place) < std::tie(q.root, q.place);
-    });
-    return members;
-}
-
-bool same_line(const Line& p, const Line& q) {
-    if (squared_length(cross(p.direction, q.direction)) > 1e-16) return false;
-    const Vec3 offset = q.origin - p.origin;
-    return length(offset - dot(offset, p.direction) * p.direction) <= same_point_mm;
-}
-
-// Those that are not in `distinct` yet.
-void add_lines(std::span<const Line> lines, std::vector<Line>& distinct) {
-    for (const Line& line : lines) {
-        const auto same = [&](const Line& other) { return same_line(line, other); };
-        if (std::none_of(distinct.begin(), distinct.end(), same)) distinct.push_back(line);
-    }
-}
-
-// The point nearest to all lines: (sum of (1 - d d^T)) x = sum of (1 - d d^T) o, by Cramer's rule.
-bool meeting_point(std::span<const Line> lines, Vec3 near, Vec3& point) {
-    Vec3 row_x, row_y, row_z, right;
-    for (const Line& line : lines) {
-        const Vec3 d = line.direction, o = line.origin - near;
-        row_x += Vec3{1, 0, 0} - d.x * d;
-        row_y += Vec3{0, 1, 0} - d.y * d;
-        row_z += Vec3{0, 0, 1} - d.z * d;
-        right += o - dot(o, d) * d;
-    }
-    const double determinant = dot(row_x, cross(row_y, row_z));
-    const auto count = static_cast<double>(lines.size());
-    if (!(determinant > 1e-6 * count * count * count)) return false;
-    // The matrix is symmetric: its rows are its columns.
-    point = near + (1 / determinant) * Vec3{dot(right, cross(row_y, row_z)), dot(row_x, cross(right, row_z)),
-                                            dot(row_x, cross(row_y, right))};
-    return true;
-}
-
-class Grouper {
-  public:
-    Grouper(const ContourSet& set, const EndPlaces& ends, double reach, EndGroups& groups)
-        : set_(set), ends_(ends), reach_(reach), groups_(groups) {}
-
-    void add(std::span<const Membership> members) {
-        const auto group = static_cast<std::uint32_t>(groups_.position.size());
-        const Line& line = *members.front().line;
-        for (const Membership& member : members) {
-            EndGroups::Member& place = groups_.members[member.place];
-            if (place.group != no_node) continue;
-            place.group = group;
-            const Plane& plane = set_.slices[set_.contours[member.end->contour].slice].plane;
-            const Vec2 normal = contour_normal(set_, *member.end, reach_);
-            place.sine = dot(normal, {dot(line.direction, plane.u), dot(line.direction, plane.v)});
-            place.direction = place.sine * normal;
-            place.sine = std::abs(place.sine);
-            place.place = line.along(member.end->at);
-        }
-        const bool one_line = std::all_of(members.begin(), members.end(), [&](const Membership& member) {
-            return same_line(line, *member.line);
-        });
-        std::vector<Line> lines;
-        for (const Membership& member : members) lines.push_back(*member.line);
-        Vec3 target;
-        if (one_line || !meeting_point(lines, members.front().end->at, target)) {
-            target = mean_on(line, members);
-            groups_.position.push_back(line.along(target));
-            measure(members, target);
-        } else {
-            groups_.position.push_back(0);
-            pin(members, target);
-        }
-        groups_.target.push_back(target);
-        groups_.lines.emplace_back();
-        add_lines(lines, groups_.lines.back());
-        std::vector<std::uint32_t> slices, contours;
-        for (const Membership& member : members) {
-            slices.push_back(set_.contours[member.end->contour].slice);
-            contours.push_back(member.end->contour);
-        }
-        sort_distinct(slices);
-        sort_distinct(contours);
-        groups_.slices.push_back(std::move(slices));
-        groups_.contours.push_back(std::move(contours));
-    }
-
-  private:
-    Vec3 mean_on(const Line& line, std::span<const Membership> members) const {
-        double sum = 0, weights = 0;
-        for (const Membership& member : members) {
-            const EndGroups::Member& place = groups_.members[member.place];
-            const double weight = place.sine * place.sine + least_weight;
-            sum += weight * place.place;
-            weights += weight;
-        }
-        const double position = sum / weights;
-        double spread = 0;
-        for (const Membership& member : members) {
-            spread = std::max(spread, std::abs(groups_.members[member.place].place - position));
-        }
-        for (const Membership& member : members) {
-            const Vec3 at = ends_.places[member.place].at;
-            const bool drawn = ends_.places[member.place].node != no_node && spread <= same_point_mm;
-            if (drawn && length(at - line.at(line.along(at))) <= line_in_plane_mm) return at;
-        }
-        return line.at(position);
-    }
-
-    void measure(std::span<const Membership> members, Vec3 target) {
-        for (const Membership& member : members) {
-            const double distance = length(target - ends_.places[member.place].at);
-            groups_.worst_mm = std::max(groups_.worst_mm, distance * groups_.members[member.place].sine);
-        }
-    }
-
-    void pin(std::span<const Membership> members, Vec3 target) {
-        for (const Membership& member : members) {
-            EndGroups::Member& place = groups_.members[member.place];
-            const Plane& plane = set_.slices[set_.contours[member.end->contour].slice].plane;
-            const Vec3 move = target - ends_.places[member.place].at;
-            place.pinned = true;
-            place.sine = 1;
-            place.direction = {dot(move, plane.u), dot(move, plane.v)};
-            groups_.worst_mm = std::max(groups_.worst_mm, length(place.direction));
-        }
-    }
-
-    const ContourSet& set_;
-    const EndPlaces& ends_;
-    const double reach_;
-    EndGroups& groups_;
-};
 
 // A shared point to be put into a contour: at its point `after`, or behind it.
 struct Insertion {
@@ -193,13 +30,12 @@ struct Insertion {
 
 class Inserter {
   public:
-    Inserter(ContourSet& set, std::span<const LineComparison> comparisons, double reach,
-             const std::vector<bool>& moved)
+    Inserter(ContourSet& set, std::span<const LineComparison> comparisons, const std::vector<bool>& moved)
         : set_(set),
           moved_(moved),
           graph_(make_contour_graph(set)),
           ends_(place_ends(set, graph_, comparisons)),
-          groups_(group_ends(set, ends_, comparisons, reach)),
+          groups_(group_ends(set, ends_, comparisons)),
           usable_(groups_.target.size(), true),
           insertions_(set.contours.size()) {
         put_on_lines();
@@ -274,7 +110,7 @@ class Inserter {
         for (std::size_t p = 0; p < ends_.places.size(); ++p) {
             const EndGroups::Member& member = groups_.members[p];
             if (member.group == no_node || !lacks_some_[member.group] || left_out_[p]) continue;
-            const double weight = member.sine * member.sine + least_weight;
+            const double weight = member.weight();
             sum[member.group] += weight * groups_.lines[member.group].front().along(ends_.places[p].at);
             weights[member.group] += weight;
         }
@@ -348,8 +184,7 @@ class Inserter {
             if (groups_.lines[g].size() != 1 || lines.size() != before + 1) return std::nullopt;
             slices.insert(slices.end(), groups_.slices[g].begin(), groups_.slices[g].end());
         }
-        std::sort(slices.begin(), slices.end());
-        slices.erase(std::unique(slices.begin(), slices.end()), slices.end());
+        sort_distinct(slices);
         Vec3 point;
         if (2 * lines.size() != slices.size() * (slices.size() - 1) || !meeting_point(lines, beside, point))
             return std::nullopt;
@@ -454,8 +289,7 @@ class Inserter {
         for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
             for (const Insertion& insertion : insertions_[c]) groups.push_back(insertion.group);
         }
-        std::sort(groups.begin(), groups.end());
-        groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
+        sort_distinct(groups);
         // One after the other, each with those before it that were sound.
         bool dropped = false;
         std::vector<std::uint32_t> sound;
@@ -507,22 +341,9 @@ class Inserter {
 
 }  // namespace
 
-EndGroups group_ends(const ContourSet& set, const EndPlaces& ends,
-                     std::span<const LineComparison> comparisons, double normal_reach_mm) {
-    EndGroups groups;
-    groups.members.resize(ends.places.size());
-    const std::vector<Membership> members = memberships(ends, comparisons);
-    Grouper grouper(set, ends, normal_reach_mm, groups);
-    for (std::size_t begin = 0, end = 0; begin < members.size(); begin = end) {
-        while (end < members.size() && members[end].root == members[begin].root) ++end;
-        grouper.add({members.data() + begin, end - begin});
-    }
-    return groups;
-}
-
 SharedPoints insert_shared_points(ContourSet& set, std::span<const LineComparison> comparisons,
-                                  double normal_reach_mm, const std::vector<bool>& moved) {
-    return Inserter(set, comparisons, normal_reach_mm, moved).run();
+                                  const std::vector<bool>& moved) {
+    return Inserter(set, comparisons, moved).run();
 }
 
 }  // namespace anatomesh

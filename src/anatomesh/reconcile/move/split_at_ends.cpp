@@ -13,6 +13,8 @@ namespace anatomesh {
 
 namespace {
 
+constexpr double least_split_mm = 0.1;  // of a segment that gets a vertex
+
 struct Split {
     std::uint32_t segment = 0;  // of the graph
     double distance = 0;        // from its lower node
@@ -36,15 +38,15 @@ std::vector<Split> find_splits(const ContourSet& set, const ContourGraph& graph,
 }
 
 // Those that keep their distance from the segment's ends and from each other.
-std::vector<Split> spaced(const ContourSet& set, const ContourGraph& graph, const std::vector<Split>& splits,
-                          double least_mm) {
+std::vector<Split> spaced(const ContourSet& set, const ContourGraph& graph,
+                          const std::vector<Split>& splits) {
     std::vector<Split> kept;
     for (const Split& split : splits) {
         const auto& [low, high] = graph.segments[split.segment];
         const bool is_first = kept.empty() || kept.back().segment != split.segment;
         const Vec3 before = is_first ? set.points[graph.point_of_node[low]] : kept.back().at;
-        if (length(split.at - before) >= least_mm &&
-            length(split.at - set.points[graph.point_of_node[high]]) >= least_mm)
+        if (length(split.at - before) >= least_split_mm &&
+            length(split.at - set.points[graph.point_of_node[high]]) >= least_split_mm)
             kept.push_back(split);
     }
     return kept;
@@ -69,19 +71,19 @@ std::vector<Vec3> with_splits(const ContourSet& set, const ContourGraph& graph, 
 
 }  // namespace
 
-std::size_t split_at_ends(ContourSet& set, std::span<const LineComparison> comparisons, double least_mm) {
+std::size_t split_at_ends(ContourSet& set, std::span<const LineComparison> comparisons) {
     std::vector<LineEnd> places;
     for (const LineComparison& comparison : comparisons) {
         if (comparison.difference_mm == 0) continue;
         for (const auto* ends : {&comparison.ends_a, &comparison.ends_b})
             places.insert(places.end(), ends->begin(), ends->end());
     }
-    return split_at_places(set, places, least_mm);
+    return split_at_places(set, places);
 }
 
-std::size_t split_at_places(ContourSet& set, std::span<const LineEnd> places, double least_mm) {
+std::size_t split_at_places(ContourSet& set, std::span<const LineEnd> places) {
     const ContourGraph graph = make_contour_graph(set);
-    const std::vector<Split> splits = spaced(set, graph, find_splits(set, graph, places), least_mm);
+    const std::vector<Split> splits = spaced(set, graph, find_splits(set, graph, places));
     std::vector<std::vector<Vec3>> fresh(set.contours.size());
     for (const Slice& slice : set.slices) {
         std::vector<PlaneRing> rings;

@@ -105,7 +105,7 @@ FacingStretch facing_stretch(const ContourSet& set, std::uint32_t own, std::uint
         last = next;
     }
     FacingStretch stretch;
-    stretch.over = seen.away_from(side);
+    stretch.back = seen.away_from(side);
     for (std::uint32_t k = first;; k = point_after(contour, k)) {
         if (is_beside(k)) {
             stretch.points.push_back(k);

@@ -6,17 +6,15 @@
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/slices/lines/arc.h"
 #include "anatomesh/slices/lines/line_ends.h"
 
 namespace anatomesh {
 
 // A part of a contour as seen from a line in its plane: it runs along the line on one side of it, nowhere
 // steeper than 60 degrees.
-struct FacingStretch {
-    std::vector<std::uint32_t> points;  // of the set, in order, those beside the interval; may be none
-    std::vector<double> heights_mm;     // their distances from the line
-    double height_mm = 0;               // the largest, that of places between points included
-    Vec2 over;  // unit vector across the line, away from the stretch, in the slice's frame
+struct FacingStretch
+    : Arc {  // its points: those beside the interval, may be none; its height: of `places`, too
     // Where the contour lies beside the interval's ends and its middle, as far as the stretch reaches.
     std::vector<LineEnd> places;  // none at a point, which is there
 

@@ -69,11 +69,11 @@ TEST(FacingStretch, is_what_lies_beside_the_interval) {
                         // Over the line by its distance it lies on the line.
                         const Plane& plane = c.set.slices[0].plane;
                         const Vec3 moved =
-                            plane.to_space(plane.to_plane(p) + stretch.heights_mm[n] * stretch.over);
+                            plane.to_space(plane.to_plane(p) + stretch.heights_mm[n] * stretch.back);
                         EXPECT_NEAR(moved.z, 0, 1e-9);
                         EXPECT_NEAR(moved.x, p.x, 1e-9);
                     }
-                    EXPECT_NEAR(length(stretch.over), 1, 1e-9);
+                    EXPECT_NEAR(length(stretch.back), 1, 1e-9);
                     std::vector<double> places;
                     for (const LineEnd& place : stretch.places) {
                         EXPECT_NEAR(place.at.x, place.t, 1e-9);

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "anatomesh/reconcile/move/movement_nodes.h"
 #include "anatomesh/reconcile/resolve/facing_stretch.h"
 #include "anatomesh/reconcile/resolve/line_votes.h"
 #include "anatomesh/reconcile/resolve/repaint.h"
@@ -17,7 +18,6 @@ namespace {
 
 constexpr std::size_t most_changes = 200, most_tries = 1000;
 constexpr double most_times = 3;  // a change may be larger than the piece, or the clearance: a spike
-constexpr double least_clearance_mm = 0.1;
 // Shorter ones are left: contours would get segments as short, and cells of that size.
 constexpr double least_piece_mm = 0.01;
 constexpr double least_gain = 0.5;           // of the piece: by so much slices have to differ less
@@ -181,12 +181,6 @@ class Ways {
     const ConflictingIntervalOptions& options_;
 };
 
-double left_mm(std::span<const LineComparison> comparisons) {
-    double left = 0;
-    for (const LineComparison& comparison : comparisons) left += comparison.difference_mm;
-    return left;
-}
-
 // With how many slices each one differs about each structure.
 class Contradicted {
   public:
@@ -262,12 +256,12 @@ class IntervalResolution {
             Ways(set_, piece, most_as_b, options_).add_lone_to(changes);
         std::stable_sort(changes.begin(), changes.end(),
                          [](const Change& p, const Change& q) { return p.farthest_mm < q.farthest_mm; });
-        const double left = left_mm(comparisons_);
+        const double left = total_difference_mm(comparisons_);
         for (const Change& change : changes) {
             if (++tries_ > most_tries || context_.cancelled()) return false;
             const ContourSet changed = with_painted(set_, change.slice, change.rings);
             std::vector<LineComparison> after = compare_(changed);
-            if (left_mm(after) > left - least_gain * piece.length_mm()) continue;
+            if (total_difference_mm(after) > left - least_gain * piece.length_mm()) continue;
             const bool parts = change.rings.size() != set_.slices[change.slice].contour_count;
             carry_drawn(changed);
             set_ = changed;

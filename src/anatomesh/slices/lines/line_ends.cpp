@@ -263,4 +263,10 @@ std::vector<LineComparison> compare_planes(const ContourSet& set, const std::vec
     return comparisons;
 }
 
+double total_difference_mm(std::span<const LineComparison> comparisons) {
+    double total = 0;
+    for (const LineComparison& comparison : comparisons) total += comparison.difference_mm;
+    return total;
+}
+
 }  // namespace anatomesh

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -51,5 +52,8 @@ struct LineComparison {
 std::vector<LineComparison> compare_planes(const ContourSet& set, const std::vector<PlanePatch>& patches,
                                            const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs,
                                            double margin, RunContext& context);
+
+// How far all slices are from agreeing: the sum of the comparisons' differences, mm. O(comparisons).
+double total_difference_mm(std::span<const LineComparison> comparisons);
 
 }  // namespace anatomesh

@@ -1,0 +1,52 @@
+// Arcs of contours that are taken over a line, because most slices through the line have there what one
+// lacks.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/reconcile/move/contour_graph.h"
+#include "anatomesh/reconcile/move/movement.h"
+#include "anatomesh/reconcile/reconcile_state.h"
+#include "anatomesh/reconcile/resolve/line_votes.h"
+
+namespace anatomesh {
+
+// Names a comparison: the two slices, the lower first, and the structure.
+using ComparisonKey = std::array<std::uint32_t, 3>;
+
+struct ArcOverLine {
+    ComparisonKey comparison{};
+    TakenOver over;
+};
+
+// Which arcs a repetition of the movement takes over lines.
+struct ArcsOverLines {
+    std::vector<ArcOverLine> taken;         // in this repetition, in the order of its rounds
+    std::vector<ComparisonKey> given_up{};  // rising: those in which an earlier repetition failed
+};
+
+// Pins the arcs of the slices of a comparison that have to come over the line, and notes them as taken. An
+// arc has to where one slice has an interval that the other one lacks, most of the slices through the line
+// have it too, and no point of the arc would have to move further than the bound. Returns whether there was
+// one. Complexity: O(points of the slices' contours) an interval.
+bool pin_arcs_over_line(const ReconcileState& state, const ReconcileScope& scope,
+                        const LineComparison& comparison, const LineVotes& votes, const ContourGraph& graph,
+                        std::vector<MovementNode>& nodes, ArcsOverLines& arcs);
+
+// Gives contours vertices at the ends and in the middle of the arcs that have to come over a line, and
+// compares the slices anew where it gave any. Returns whether any arc has to.
+bool split_arcs_over_lines(ReconcileState& state, const ReconcileScope& scope, const ArcsOverLines& arcs,
+                           RunContext& context);
+
+// The comparisons of the taken arcs that still differ by more than half as much as before, rising.
+std::vector<ComparisonKey> still_differing(std::span<const ArcOverLine> taken,
+                                           std::span<const LineComparison> before,
+                                           std::span<const LineComparison> after);
+
+// Adds the taken arcs to the statistics: for each slice and structure the farthest stays, in their order.
+void note_taken_over(std::span<const ArcOverLine> taken, std::vector<TakenOver>& all);
+
+}  // namespace anatomesh

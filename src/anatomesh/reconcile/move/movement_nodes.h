@@ -1,0 +1,40 @@
+// The nodes and edges of a movement, made from the contours' graph and from what is asked of its places.
+#pragma once
+
+#include <vector>
+
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/reconcile/move/contour_graph.h"
+#include "anatomesh/reconcile/move/end_groups.h"
+#include "anatomesh/reconcile/move/movement.h"
+#include "anatomesh/slices/lines/arc.h"
+
+namespace anatomesh {
+
+// Contours that are drawn back keep this distance from the other slice's plane at least, and this share of
+// the mean distance between vertices: nearer to the line two planes are so close to each other that no cells
+// of any shape fit between. mm; 1
+inline constexpr double least_clearance_mm = 0.1, clearance_share = 0.1;
+
+// Per node of the graph, and then per place inside a segment: an anchor on the line of its group, pinned
+// where lines of several planes meet, or free. O(nodes + places).
+std::vector<MovementNode> movement_nodes(const ContourGraph& graph, const EndPlaces& ends,
+                                         const EndGroups& groups);
+
+// The graph's segments, cut at the places inside them. Every edge has a positive length. O(segments +
+// places).
+std::vector<MovementEdge> movement_edges(const ContourSet& set, const ContourGraph& graph,
+                                         const EndPlaces& ends);
+
+// How far a point at `height_mm` over a line is moved across it, as one of an arc that is `arc_height_mm`
+// high. All of the arc comes over the line, its points nearest to the line farthest, so that it becomes flat.
+// A low arc needs less clearance beyond the line: it is not taken far from where it was drawn. Never less
+// than the height, mm. Requires: 0 <= height_mm <= arc_height_mm, clearance_mm >= least_clearance_mm.
+double distance_across(double height_mm, double arc_height_mm, double clearance_mm);
+
+// Pins the points of an arc to the other side of its line. Anchors stay what they are, and a point that is
+// pinned to go further stays so. O(points of the arc).
+void pin_arc(const Arc& arc, double clearance_mm, const ContourGraph& graph,
+             std::vector<MovementNode>& nodes);
+
+}  // namespace anatomesh
