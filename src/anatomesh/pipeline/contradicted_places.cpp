@@ -5,7 +5,7 @@
 
 #include "anatomesh/measure/contradicted_segments.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
@@ -14,8 +14,8 @@ namespace {
 // The ends of both along the line: between every other two exactly one has the structure.
 std::vector<double> ends_of_difference(const LineComparison& comparison) {
     std::vector<double> ends;
-    for (const LineEnd& end : comparison.ends_a) ends.push_back(end.t);
-    for (const LineEnd& end : comparison.ends_b) ends.push_back(end.t);
+    for (const IntervalEndpoint& end : comparison.endpoints_a) ends.push_back(end.t);
+    for (const IntervalEndpoint& end : comparison.endpoints_b) ends.push_back(end.t);
     std::sort(ends.begin(), ends.end());
     return ends;
 }

@@ -12,7 +12,7 @@ namespace anatomesh {
 
 // Those longer than contradiction_mm (contradicted_segments.h), of slices that say where the structure is:
 // `weights` at structure * slices + slice is 0 where one does not. No surface can have the cuts of both
-// slices there. In order of pairs and structures. Complexity: that of compare_planes() (line_ends.h).
+// slices there. In order of pairs and structures. Complexity: that of compare_planes() (line_intervals.h).
 std::vector<ContradictedPlace> contradicted_places(const ContourSet& contours,
                                                    std::span<const double> weights, RunContext& context);
 

@@ -18,7 +18,7 @@
 #include "anatomesh/contour/clean/clean.h"
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/contour/walls/close_gaps.h"
-#include "anatomesh/contour/walls/share_lines.h"
+#include "anatomesh/contour/walls/merge_coincident.h"
 #include "anatomesh/contour/walls/slivers.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/independent_check_for_test.h"
@@ -370,7 +370,7 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
     }
     EXPECT_EQ(cleaned.value().log.size(), drawn.drawn.contours.size());
     EXPECT_TRUE(left_out == 0 || !context.warnings.empty());
-    share_lines(cleaned.value().kept, {});
+    merge_coincident(cleaned.value().kept, {});
     close_slivers(cleaned.value().kept, {});
     auto reconciled = reconcile_contours(std::move(cleaned).value().kept, {}, context);
     if (!reconciled.ok()) {  // refused where a contour would have to move too far
@@ -430,7 +430,7 @@ std::size_t slivers(const ContourSet& set) {
             const auto vertices = set.points_of(one), line = set.points_of(other);
             for (const Vec3& x : vertices) {
                 const auto is_beside = [&](Vec3 y) {
-                    return length(y - x) < ShareLinesOptions{}.width_mm &&
+                    return length(y - x) < MergeCoincidentOptions{}.width_mm &&
                            std::find(vertices.begin(), vertices.end(), y) != vertices.end();
                 };
                 if (std::any_of(line.begin(), line.end(), is_beside)) continue;
@@ -440,7 +440,7 @@ std::size_t slivers(const ContourSet& set) {
                     const double t = std::clamp(dot(x - a, way) / squared_length(way), 0.0, 1.0);
                     least = std::min(least, length(a + t * way - x));
                 }
-                count += least < ShareLinesOptions{}.width_mm;
+                count += least < MergeCoincidentOptions{}.width_mm;
             }
         }
     }
@@ -458,7 +458,7 @@ TEST(WallsOfRandomSolids, are_not_parted_where_slices_that_cross_are_made_to_agr
         auto cleaned = clean_contours(drawn.drawn, {}, context);
         if (!cleaned.ok()) continue;
         ContourSet kept = std::move(cleaned).value().kept;
-        share_lines(kept, {});
+        merge_coincident(kept, {});
         before += slivers(kept);
         close_gaps(kept, {narrow_gap_mm});
         const auto reconciled = reconcile_contours(std::move(kept), {}, context);

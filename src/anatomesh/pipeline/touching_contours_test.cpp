@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "anatomesh/contour/walls/share_lines.h"
+#include "anatomesh/contour/walls/merge_coincident.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {
@@ -79,7 +79,7 @@ TEST(TouchingContours, of_an_organ_drawn_twice_keep_all_segments) {
     for (const double off : {0.3, 1.0}) {
         SCOPED_TRACE(testing::Message() << off << " mm off");
         ContourSet set = kept(drawn_twice(off).raw);
-        share_lines(set, {});
+        merge_coincident(set, {});
         const auto made = build(set);
         ASSERT_TRUE(made.ok()) << to_line(made.error());
         for (const StructureReport& structure : made.value().report.structures) {

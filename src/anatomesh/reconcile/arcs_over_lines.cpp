@@ -5,8 +5,8 @@
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/reconcile/move/movement_nodes.h"
-#include "anatomesh/reconcile/move/split_at_ends.h"
-#include "anatomesh/reconcile/resolve/facing_stretch.h"
+#include "anatomesh/reconcile/move/split_at_endpoints.h"
+#include "anatomesh/reconcile/resolve/nearest_arc.h"
 
 namespace anatomesh {
 
@@ -17,7 +17,7 @@ constexpr double failed_share = 0.5;  // of the difference: an arc that leaves m
 // An arc of a slice that would have to come over the line for the slice to have what the other one has.
 struct LackingArc {
     std::uint32_t slice = 0;
-    FacingStretch arc;
+    NearestArc arc;
 };
 
 ComparisonKey key_of(const LineComparison& comparison) {
@@ -26,13 +26,13 @@ ComparisonKey key_of(const LineComparison& comparison) {
 
 // Whether no point of the arc comes further from where it was drawn than the bound, as it is taken over.
 bool is_within_bound(const ReconcileState& state, const ReconcileScope& scope, std::uint32_t slice,
-                     const FacingStretch& arc) {
+                     const NearestArc& arc) {
     const double bound = scope.options.max_disagreement_mm;
     const Plane& plane = state.set.slices[slice].plane;
     for (std::size_t n = 0; n < arc.points.size(); ++n) {
         const std::uint32_t k = arc.points[n];
         const Vec2 way = distance_across(arc.heights_mm[n], arc.height_mm, scope.clearance_mm) * arc.back;
-        if (length(state.set.points[k] + way.x * plane.u + way.y * plane.v - state.drawn.at[k]) > bound)
+        if (length(state.set.points[k] + way.x * plane.u + way.y * plane.v - state.original.at[k]) > bound)
             return false;
     }
     return distance_across(arc.height_mm, arc.height_mm, scope.clearance_mm) <= bound;
@@ -44,15 +44,15 @@ std::vector<LackingArc> lacking_arcs(const ReconcileState& state, const Reconcil
     std::vector<LackingArc> all;
     if (std::binary_search(arcs.given_up.begin(), arcs.given_up.end(), key_of(comparison))) return all;
     for (const bool of_a : {true, false}) {
-        const auto& ends = of_a ? comparison.ends_a : comparison.ends_b;
+        const auto& ends = of_a ? comparison.endpoints_a : comparison.endpoints_b;
         const std::uint32_t having = of_a ? comparison.a : comparison.b,
                             slice = of_a ? comparison.b : comparison.a;
         for (const std::uint32_t i :
              of_a ? comparison.matching.only_first : comparison.matching.only_second) {
             const double low = ends[i].t, high = ends[i + 1].t;
             if (!votes.most_agree(comparison, having, 0.5 * (low + high))) continue;
-            FacingStretch arc = facing_stretch(state.set, slice, comparison.structure, comparison.line,
-                                               state.set.slices[having].plane, low, high);
+            NearestArc arc = nearest_arc(state.set, slice, comparison.structure, comparison.line,
+                                         state.set.slices[having].plane, low, high);
             if (!arc.empty() && is_within_bound(state, scope, slice, arc))
                 all.push_back({slice, std::move(arc)});
         }
@@ -86,7 +86,7 @@ bool pin_arcs_over_line(const ReconcileState& state, const ReconcileScope& scope
 bool split_arcs_over_lines(ReconcileState& state, const ReconcileScope& scope, const ArcsOverLines& arcs,
                            RunContext& context) {
     const LineVotes votes(state.comparisons);
-    std::vector<LineEnd> places;
+    std::vector<IntervalEndpoint> places;
     bool any = false;
     for (const LineComparison& comparison : state.comparisons) {
         for (const LackingArc& lacking : lacking_arcs(state, scope, comparison, votes, arcs)) {

@@ -4,10 +4,10 @@
 #include <optional>
 #include <utility>
 
-#include "anatomesh/contour/walls/share_lines.h"
+#include "anatomesh/contour/walls/merge_coincident.h"
 #include "anatomesh/contour/walls/slivers.h"
 #include "anatomesh/reconcile/compare/disagreement.h"
-#include "anatomesh/reconcile/move/lay_out_points.h"
+#include "anatomesh/reconcile/move/reindex_points.h"
 #include "anatomesh/reconcile/regularize/enforce_clearance.h"
 #include "anatomesh/reconcile/regularize/regularize_along_axis.h"
 #include "anatomesh/reconcile/regularize/regularize_fans.h"
@@ -30,8 +30,8 @@ ReconcileState with_common_points(ReconcileState state, const ReconcileState& be
                                   const ReconcileScope& scope, RunContext& context) {
     const ContourSet without = state.set;
     share_points(state);
-    carry_over_drawn(state, without, state.drawn);
-    summarize_movements(state.set, state.drawn, state.stats);
+    carry_over_original(state, without, state.original);
+    summarize_movements(state.set, state.original, state.stats);
     compare_slices(state, scope, context);
     return total_difference_mm(state.comparisons) > left ? before : state;
 }
@@ -39,9 +39,9 @@ ReconcileState with_common_points(ReconcileState state, const ReconcileState& be
 ReconcileState with_fans_regularized(ReconcileState state, const FanOptions& options,
                                      const ReconcileScope& scope, RunContext& context) {
     ReconcileState before = state;
-    state.stats.poles = regularize_fans(state.set, state.drawn, options);
+    state.stats.poles = regularize_fans(state.set, state.original, options);
     if (state.stats.poles.poles == 0) return state;
-    summarize_movements(state.set, state.drawn, state.stats);
+    summarize_movements(state.set, state.original, state.stats);
     compare_slices(state, scope, context);
     const bool less = total_difference_mm(state.comparisons) > total_difference_mm(before.comparisons);
     return less ? before : state;
@@ -52,7 +52,7 @@ ReconcileState with_flanks_regularized(ReconcileState state, const AlongAxisOpti
     const ReconcileState before = state;
     AlongAxisBounds most_mm;
     for (const SliceMovement& movement : state.stats.movements) most_mm.push_back(movement.max_mm);
-    state.stats.flanks = regularize_along_axis(state.set, state.drawn, most_mm, options);
+    state.stats.flanks = regularize_along_axis(state.set, state.original, most_mm, options);
     if (state.stats.flanks.points == 0) return state;
     compare_slices(state, scope, context);
     return with_common_points(std::move(state), before, total_difference_mm(before.comparisons), scope,
@@ -70,8 +70,8 @@ ReconcileState conflated(ReconcileState state, ConflationStats ReconcileStats::*
     if (done.contours_changed == 0) return state;
     const std::optional<ContourSet> same = in_order_of(state.set, before.set);
     if (!same) return before;
-    carry_over_drawn(state, *same, before.drawn);
-    summarize_movements(state.set, state.drawn, state.stats);
+    carry_over_original(state, *same, before.original);
+    summarize_movements(state.set, state.original, state.stats);
     compare_slices(state, scope, context);
     const double most = std::max(before.stats.max_movement_mm, scope.options.max_disagreement_mm);
     if (total_difference_mm(state.comparisons) > total_difference_mm(before.comparisons) ||
@@ -89,8 +89,8 @@ Result<ReconcileState> resolve_what_is_left(ReconcileState state, const Reconcil
     const auto compare = [&](const ContourSet& set) { return comparisons_of(set, state, scope, context); };
     const ConflictingIntervalOptions options{scope.clearance_mm, scope.options.max_disagreement_mm,
                                              parted_share * mean_vertex_spacing(state.set)};
-    state.stats.resolved =
-        resolve_conflicting_intervals(state.set, state.drawn, state.comparisons, compare, options, context);
+    state.stats.resolved = resolve_conflicting_intervals(state.set, state.original, state.comparisons,
+                                                         compare, options, context);
     if (state.stats.resolved.empty()) return state;
     compare_slices(state, scope, context);
     const ReconcileState before = state;
@@ -110,7 +110,7 @@ Result<ReconcileState> regularize_at_axes(ReconcileState state, const ReconcileS
 
 Result<ReconcileState> take_apart(ReconcileState state, const ReconcileScope& scope, RunContext& context) {
     const ReconcileState before = state;
-    state.stats.clearance = enforce_clearance(state.set, state.drawn, apart_share * scope.clearance_mm);
+    state.stats.clearance = enforce_clearance(state.set, state.original, apart_share * scope.clearance_mm);
     if (state.stats.clearance.places == 0) return state;
     compare_slices(state, scope, context);
     return with_common_points(std::move(state), before, total_difference_mm(before.comparisons), scope,
@@ -126,7 +126,7 @@ Result<ReconcileState> unite_walls(ReconcileState state, const ReconcileScope& s
     return conflated(
         std::move(state), &ReconcileStats::shared_lines,
         [&](ContourSet& set) -> ConflationStats {
-            return share_lines(set, {.width_mm = scope.options.same_line_mm});
+            return merge_coincident(set, {.width_mm = scope.options.same_line_mm});
         },
         scope, context);
 }

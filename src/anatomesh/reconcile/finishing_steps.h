@@ -20,7 +20,7 @@ ReconcileStep regularize_at_axes;
 ReconcileStep take_apart;
 
 // Closes the slivers between structures that movement left (slivers.h), and merges what came to lie on one
-// line (share_lines.h). Nothing is done where no vertex moved.
+// line (merge_coincident.h). Nothing is done where no vertex moved.
 ReconcileStep unite_walls;
 
 // Fills how much slices differ in the end.

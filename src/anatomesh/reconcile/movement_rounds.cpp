@@ -31,7 +31,7 @@ bool draw_back(const ReconcileState& state, const ReconcileScope& scope, const L
                const LineVotes& votes, const ContourGraph& graph, std::vector<MovementNode>& nodes) {
     bool any = false;
     for (const bool of_a : {true, false}) {
-        const auto& ends = of_a ? comparison.ends_a : comparison.ends_b;
+        const auto& ends = of_a ? comparison.endpoints_a : comparison.endpoints_b;
         const std::uint32_t own = of_a ? comparison.a : comparison.b,
                             other = of_a ? comparison.b : comparison.a;
         for (const std::uint32_t i :
@@ -50,8 +50,8 @@ bool draw_back(const ReconcileState& state, const ReconcileScope& scope, const L
 
 MovementTask movement_task(const ReconcileState& state, const ReconcileScope& scope,
                            const ContourGraph& graph, ArcsOverLines* arcs) {
-    const EndPlaces ends = place_ends(state.set, graph, state.comparisons);
-    EndGroups groups = group_ends(state.set, ends, state.comparisons);
+    const EndpointPlaces ends = place_endpoints(state.set, graph, state.comparisons);
+    EndpointGroups groups = group_endpoints(state.set, ends, state.comparisons);
     MovementTask task;
     task.worst_mm = groups.worst_mm;
     task.is_done = groups.worst_mm <= joinable_mm;
@@ -85,7 +85,7 @@ Status move_in_rounds(ReconcileState& state, const ReconcileScope& scope, ArcsOv
         if (idle == most_idle_rounds) return Nothing{};
         const std::vector<Vec2> moves =
             solve_movement(task.nodes, task.edges, task.usual, scope.options.smoothing_mm);
-        apply_movement(state.set, graph, state.drawn, moves, scope.options.max_disagreement_mm,
+        apply_movement(state.set, graph, state.original, moves, scope.options.max_disagreement_mm,
                        context.threads);
     }
     compare_slices(state, scope, context);

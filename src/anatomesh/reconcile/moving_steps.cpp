@@ -7,7 +7,7 @@
 #include "anatomesh/reconcile/arcs_over_lines.h"
 #include "anatomesh/reconcile/compare/contradictions.h"
 #include "anatomesh/reconcile/compare/disagreement.h"
-#include "anatomesh/reconcile/move/split_at_ends.h"
+#include "anatomesh/reconcile/move/split_at_endpoints.h"
 #include "anatomesh/reconcile/movement_rounds.h"
 #include "anatomesh/reconcile/regularize/flatten_folds.h"
 
@@ -60,17 +60,17 @@ void join(ReconcileState& state, const ReconcileScope& scope, RunContext& contex
     const ContourSet before = state.set;
     std::vector<MovedPoint> moved;
     for (std::size_t k = 0; k < before.points.size(); ++k) {
-        if (state.drawn.is_drawn[k]) moved.push_back({before.points[k], state.drawn.at[k]});
+        if (state.original.is_drawn[k]) moved.push_back({before.points[k], state.original.at[k]});
     }
     share_points(state);
     add(flatten(state, scope, moved, context), state.stats.folds);
-    carry_over_drawn(state, before, state.drawn);
+    carry_over_original(state, before, state.original);
 }
 
 Status move_measure_join(ReconcileState& state, const ReconcileScope& scope, ArcsOverLines* arcs,
                          RunContext& context) {
     ANATOMESH_CHECK_STATUS(move_in_rounds(state, scope, arcs, context));
-    summarize_movements(state.set, state.drawn, state.stats);
+    summarize_movements(state.set, state.original, state.stats);
     join(state, scope, context);
     return Nothing{};
 }
@@ -85,8 +85,8 @@ Result<ReconcileState> repeat(ReconcileState state, const ReconcileScope& scope,
         ReconcileState before = state;
         arcs.taken.clear();
         if (over && !split_arcs_over_lines(state, scope, arcs, context)) break;
-        split_at_ends(state.set, state.comparisons);
-        carry_over_drawn(state, before.set, before.drawn);
+        split_at_endpoints(state.set, state.comparisons);
+        carry_over_original(state, before.set, before.original);
         compare_slices(state, scope, context);
         ANATOMESH_CHECK_STATUS(move_measure_join(state, scope, over ? &arcs : nullptr, context));
         const std::vector<ComparisonKey> failed =
@@ -124,7 +124,7 @@ Result<ReconcileState> take_arcs_over_lines(ReconcileState state, const Reconcil
 
 Result<ReconcileState> refuse_what_moved_too_far(ReconcileState state, const ReconcileScope& scope,
                                                  RunContext&) {
-    ANATOMESH_CHECK_STATUS(check_what_is_left(state.set, state.drawn, state.comparisons, scope.options));
+    ANATOMESH_CHECK_STATUS(check_what_is_left(state.set, state.original, state.comparisons, scope.options));
     return state;
 }
 

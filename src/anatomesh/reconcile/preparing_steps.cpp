@@ -51,7 +51,7 @@ ReconcileStart start_of(ContourSet set, const ReconcileOptions& options, RunCont
     scope.undrawn = find_undrawn_structures(set, all, scope.margin_mm);
     scope.isolated = find_isolated_slices(set, patches, all, context);
     state.stats.movements.resize(set.slices.size());
-    state.drawn = drawn_places(set);
+    state.original = original_positions(set);
     state.set = std::move(set);
     return {std::move(scope), std::move(state)};
 }
@@ -85,7 +85,7 @@ Result<ReconcileState> align_rigidly(ReconcileState state, const ReconcileScope&
                          "leave the slice out with --without, or raise the bound with --max-disagreement"};
         }
     }
-    state.drawn = drawn_places(state.set);
+    state.original = original_positions(state.set);
     return state;
 }
 
@@ -94,7 +94,7 @@ Result<ReconcileState> lead_along_lines(ReconcileState state, const ReconcileSco
     const CommonLineOptions options;
     const CommonLineStats led = lead_along_common_lines(state.set, state.pairs, options);
     if (led.led_through + led.moved > 0)
-        state.drawn = carry_over(before, state.drawn, state.set, options.width_mm);
+        state.original = carry_over(before, state.original, state.set, options.width_mm);
     return state;
 }
 

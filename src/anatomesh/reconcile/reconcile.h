@@ -21,7 +21,7 @@ struct ReconcileResult {
 // and spikes that the movement made are cut off (flatten_folds.h). Where slices still differ, all that is
 // repeated, as long as they differ by a fifth less, with vertices at just those ends; and once more for what
 // a slice lacks altogether though most of those through the line have it: the stretch of its contour nearest
-// to it is taken over the line (facing_stretch.h), if none of that has to move further than the bound. What
+// to it is taken over the line (nearest_arc.h), if none of that has to move further than the bound. What
 // is left after that is settled by a small change of one of the two slices (resolve_conflicting_intervals.h).
 // Where four planes or more share a line, contours that rise and fall in turn beside it are turned
 // (regularize_fans.h). Slivers that are left between structures are closed, and what came to lie on one line

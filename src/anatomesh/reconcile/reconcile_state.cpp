@@ -33,13 +33,14 @@ std::vector<LineComparison> comparisons_of(const ContourSet& set, const Reconcil
     return compared(set, plane_patches(set), state, scope, context);
 }
 
-void carry_over_drawn(ReconcileState& state, const ContourSet& before, const DrawnPlaces& drawn) {
-    state.drawn = carry_over(before, drawn, state.set, joined_mm);
+void carry_over_original(ReconcileState& state, const ContourSet& before, const OriginalPositions& drawn) {
+    state.original = carry_over(before, drawn, state.set, joined_mm);
 }
 
 void share_points(ReconcileState& state) {
     std::vector<bool> is_moved(state.set.points.size());
-    for (std::size_t k = 0; k < is_moved.size(); ++k) is_moved[k] = state.set.points[k] != state.drawn.at[k];
+    for (std::size_t k = 0; k < is_moved.size(); ++k)
+        is_moved[k] = state.set.points[k] != state.original.at[k];
     state.stats.shared_points = insert_shared_points(state.set, state.comparisons, is_moved).points;
 }
 

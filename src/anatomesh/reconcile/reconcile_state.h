@@ -9,9 +9,9 @@
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/reconcile/compare/isolated_slices.h"
 #include "anatomesh/reconcile/compare/reconcile_stats.h"
-#include "anatomesh/reconcile/move/drawn_places.h"
+#include "anatomesh/reconcile/move/original_positions.h"
 #include "anatomesh/slices/coverage/undrawn_structures.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
@@ -27,7 +27,7 @@ struct ReconcileScope {
 // What a step gets and returns. A step that does not help returns the state that it got.
 struct ReconcileState {
     ContourSet set;
-    DrawnPlaces drawn;                                           // of the set's points
+    OriginalPositions original;                                  // of the set's points
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  // of slices whose planes cross, rising
     std::vector<LineComparison> comparisons;                     // of the set
     ReconcileStats stats;
@@ -47,10 +47,10 @@ std::vector<LineComparison> comparisons_of(const ContourSet& set, const Reconcil
 
 // Gives the state the original positions of its points, of those that the state `before` had: the contours
 // are the same, with points put in, moved or taken out.
-void carry_over_drawn(ReconcileState& state, const ContourSet& before, const DrawnPlaces& drawn);
+void carry_over_original(ReconcileState& state, const ContourSet& before, const OriginalPositions& drawn);
 
-// Puts the points in which slices agree into their contours. `state.drawn` is left as it was. The state is to
-// be compared before.
+// Puts the points in which slices agree into their contours. `state.original` is left as it was. The state is
+// to be compared before.
 void share_points(ReconcileState& state);
 
 }  // namespace anatomesh

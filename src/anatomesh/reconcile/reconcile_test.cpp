@@ -9,7 +9,7 @@
 
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 namespace {
@@ -41,10 +41,10 @@ std::string refused(const ContourSet& set, ReconcileOptions options = {}) {
 
 void expect_exact_agreement(const ContourSet& set) {
     for (const LineComparison& comparison : compare(set)) {
-        ASSERT_EQ(comparison.ends_a.size(), comparison.ends_b.size())
+        ASSERT_EQ(comparison.endpoints_a.size(), comparison.endpoints_b.size())
             << "slices " << comparison.a << " and " << comparison.b;
-        for (std::size_t i = 0; i < comparison.ends_a.size(); ++i) {
-            const LineEnd &a = comparison.ends_a[i], &b = comparison.ends_b[i];
+        for (std::size_t i = 0; i < comparison.endpoints_a.size(); ++i) {
+            const IntervalEndpoint &a = comparison.endpoints_a[i], &b = comparison.endpoints_b[i];
             EXPECT_EQ(a.from, a.to) << "an end inside a segment";
             EXPECT_EQ(b.from, b.to) << "an end inside a segment";
             EXPECT_EQ(set.points[a.from], set.points[b.from]);

@@ -1,5 +1,5 @@
 // ConflatedContours: the contours of one slice, led through vertices of one another; what close_gaps and
-// share_lines have in common.
+// merge_coincident have in common.
 #pragma once
 
 #include <array>

@@ -10,7 +10,7 @@ namespace anatomesh {
 
 namespace {
 
-// Of share_lines(), close_slivers() and close_gaps(): how much was changed, and where most.
+// Of merge_coincident(), close_slivers() and close_gaps(): how much was changed, and where most.
 template <class Stats>
 std::string extent_of(const Stats& stats) {
     return counted(stats.contours_changed, "contour") + " on " + counted(stats.slices, "slice") + ", " +
@@ -24,9 +24,9 @@ Place worst_place(const ContourSet& kept, const Stats& stats, const char* measur
 
 // Lines that structures share but for what a hand or a file rounded away.
 void share_copied_lines(ContourSet& kept, double width_mm, RunContext& context) {
-    ShareLinesOptions sharing;
+    MergeCoincidentOptions sharing;
     sharing.width_mm = width_mm;
-    const ShareLinesStats stats = share_lines(kept, sharing);
+    const MergeCoincidentStats stats = merge_coincident(kept, sharing);
     if (!(stats.widest_mm > 0)) return;
     context.warn(
         {"W-CON-027",

@@ -75,7 +75,7 @@ struct MovedFar {
     Vec3 at;
 };
 
-std::vector<MovedFar> moved_by(const ContourSet& set, const DrawnPlaces& drawn, double least_mm) {
+std::vector<MovedFar> moved_by(const ContourSet& set, const OriginalPositions& drawn, double least_mm) {
     std::vector<MovedFar> moved;
     for (const Contour& contour : set.contours) {
         for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
@@ -101,7 +101,7 @@ Status check_bound(const ContourSet& set, std::span<const LineComparison> compar
     return Nothing{};
 }
 
-Status check_what_is_left(const ContourSet& set, const DrawnPlaces& drawn,
+Status check_what_is_left(const ContourSet& set, const OriginalPositions& drawn,
                           std::span<const LineComparison> comparisons, const ReconcileOptions& options) {
     const double bound = options.max_disagreement_mm;
     const std::vector<MovedFar> moved = moved_by(set, drawn, (1 - at_bound_share) * bound);

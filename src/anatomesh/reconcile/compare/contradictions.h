@@ -6,8 +6,8 @@
 #include "anatomesh/base/result.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/reconcile/compare/reconcile_stats.h"
-#include "anatomesh/reconcile/move/drawn_places.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/reconcile/move/original_positions.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
@@ -20,7 +20,7 @@ Status check_bound(const ContourSet& set, std::span<const LineComparison> compar
 // the bound, although a contour of it in one of them moved by all of the bound within two bounds of the
 // other's plane: to agree it would have to move further. The worst are named, and what to do. `drawn`: of the
 // set's points. O(structures * (ends + pairs * points that moved so far)).
-Status check_what_is_left(const ContourSet& set, const DrawnPlaces& drawn,
+Status check_what_is_left(const ContourSet& set, const OriginalPositions& drawn,
                           std::span<const LineComparison> comparisons, const ReconcileOptions& options);
 
 }  // namespace anatomesh

@@ -29,7 +29,7 @@ Figures figures_of(std::vector<double> distances) {
 
 void append_distances(const LineComparison& comparison, std::vector<double>& distances) {
     for (const auto& [i, j] : comparison.matching.matched) {
-        distances.push_back(std::abs(comparison.ends_a[i].t - comparison.ends_b[j].t));
+        distances.push_back(std::abs(comparison.endpoints_a[i].t - comparison.endpoints_b[j].t));
     }
 }
 
@@ -58,8 +58,9 @@ std::uint32_t most_of(const std::vector<std::uint64_t>& counts) {
 
 // How far apart corresponding ends are across the contours: along the line, times the lesser sine of the
 // angles at which the two contours meet it.
-double distance_across(const ContourSet& set, const LineComparison& c, const LineEnd& a, const LineEnd& b) {
-    const auto sine = [&](const LineEnd& end, std::uint32_t slice) {
+double distance_across(const ContourSet& set, const LineComparison& c, const IntervalEndpoint& a,
+                       const IntervalEndpoint& b) {
+    const auto sine = [&](const IntervalEndpoint& end, std::uint32_t slice) {
         const Plane& plane = set.slices[slice].plane;
         return std::abs(dot(contour_normal(set, end, normal_reach_mm),
                             {dot(c.line.direction, plane.u), dot(c.line.direction, plane.v)}));
@@ -67,22 +68,22 @@ double distance_across(const ContourSet& set, const LineComparison& c, const Lin
     return std::abs(a.t - b.t) * std::min(sine(a, c.a), sine(b, c.b));
 }
 
-class WorstFinder {
+class WorstDisagreement {
   public:
-    WorstFinder(const ContourSet& set, double bound)
+    WorstDisagreement(const ContourSet& set, double bound)
         : set_(set), bound_(bound), counts_(set.slices.size(), 0) {}
 
     void look_at(const LineComparison& c) {
         for (const auto& [i, j] : c.matching.matched) {
-            const LineEnd &a = c.ends_a[i], &b = c.ends_b[j];
+            const IntervalEndpoint &a = c.endpoints_a[i], &b = c.endpoints_b[j];
             if (std::abs(a.t - b.t) <= bound_) continue;
             take(c, 0.5 * std::min(distance_to_region_boundary(set_, c.a, c.structure, b.at),
                                    distance_to_region_boundary(set_, c.b, c.structure, a.at)));
         }
         for (const std::uint32_t i : c.matching.only_first)
-            look_at_single(c, c.ends_a[i], c.ends_a[i + 1], c.a, c.b);
+            look_at_single(c, c.endpoints_a[i], c.endpoints_a[i + 1], c.a, c.b);
         for (const std::uint32_t i : c.matching.only_second)
-            look_at_single(c, c.ends_b[i], c.ends_b[i + 1], c.b, c.a);
+            look_at_single(c, c.endpoints_b[i], c.endpoints_b[i + 1], c.b, c.a);
     }
 
     std::optional<WorstPlace> result() {
@@ -92,8 +93,8 @@ class WorstFinder {
     }
 
   private:
-    void look_at_single(const LineComparison& c, const LineEnd& p, const LineEnd& q, std::uint32_t own,
-                        std::uint32_t other) {
+    void look_at_single(const LineComparison& c, const IntervalEndpoint& p, const IntervalEndpoint& q,
+                        std::uint32_t own, std::uint32_t other) {
         const Arc arc = arc_between(set_, p, q, set_.slices[own].plane, set_.slices[other].plane);
         if (!arc.points.empty() && arc.height_mm <= bound_) return;
         take(c, 0.5 * distance_to_region_boundary(set_, own, c.structure, 0.5 * (p.at + q.at)));
@@ -177,7 +178,7 @@ void summarize_after(std::span<const LineComparison> comparisons, ReconcileStats
     }
 }
 
-void summarize_movements(const ContourSet& set, const DrawnPlaces& drawn, ReconcileStats& stats) {
+void summarize_movements(const ContourSet& set, const OriginalPositions& drawn, ReconcileStats& stats) {
     double sum = 0;
     stats.max_movement_mm = 0;
     std::size_t count = 0;
@@ -210,7 +211,7 @@ std::optional<WorstPlace> worst_pair(const ContourSet& set, std::span<const Line
     for (const LineComparison& c : comparisons) {
         std::vector<double> distances;
         for (const auto& [i, j] : c.matching.matched)
-            distances.push_back(distance_across(set, c, c.ends_a[i], c.ends_b[j]));
+            distances.push_back(distance_across(set, c, c.endpoints_a[i], c.endpoints_b[j]));
         const double median = figures_of(std::move(distances)).median;
         if (median <= bound_mm) continue;
         ++worst.places, ++counts[c.a], ++counts[c.b];
@@ -224,9 +225,9 @@ std::optional<WorstPlace> worst_pair(const ContourSet& set, std::span<const Line
 
 std::optional<WorstPlace> worst_place(const ContourSet& set, std::span<const LineComparison> comparisons,
                                       double bound_mm) {
-    WorstFinder finder(set, bound_mm);
-    for (const LineComparison& comparison : comparisons) finder.look_at(comparison);
-    return finder.result();
+    WorstDisagreement worst(set, bound_mm);
+    for (const LineComparison& comparison : comparisons) worst.look_at(comparison);
+    return worst.result();
 }
 
 }  // namespace anatomesh

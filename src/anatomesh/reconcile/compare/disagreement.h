@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "anatomesh/reconcile/compare/reconcile_stats.h"
-#include "anatomesh/reconcile/move/drawn_places.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/reconcile/move/original_positions.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
@@ -25,7 +25,7 @@ void summarize(std::span<const LineComparison> comparisons, ReconcileStats& stat
 void summarize_after(std::span<const LineComparison> comparisons, ReconcileStats& stats);
 
 // Fills how far the drawn vertices moved, in all and by slice. O(points).
-void summarize_movements(const ContourSet& set, const DrawnPlaces& drawn, ReconcileStats& stats);
+void summarize_movements(const ContourSet& set, const OriginalPositions& drawn, ReconcileStats& stats);
 
 struct WorstPlace {
     std::uint32_t a = 0, b = 0, structure = 0;

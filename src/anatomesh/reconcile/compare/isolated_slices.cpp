@@ -26,10 +26,10 @@ bool passes_through(const PlanePatch& patch, const Plane& plane) {
 // From the one's intervals on the line to the other's; 0 where they overlap, nothing where one has none.
 std::optional<double> gap_of(const LineComparison& c) {
     std::optional<double> least;
-    for (std::size_t i = 0; i + 1 < c.ends_a.size(); i += 2) {
-        for (std::size_t j = 0; j + 1 < c.ends_b.size(); j += 2) {
-            const double gap =
-                std::max({c.ends_a[i].t - c.ends_b[j + 1].t, c.ends_b[j].t - c.ends_a[i + 1].t, 0.0});
+    for (std::size_t i = 0; i + 1 < c.endpoints_a.size(); i += 2) {
+        for (std::size_t j = 0; j + 1 < c.endpoints_b.size(); j += 2) {
+            const double gap = std::max({c.endpoints_a[i].t - c.endpoints_b[j + 1].t,
+                                         c.endpoints_b[j].t - c.endpoints_a[i + 1].t, 0.0});
             least = std::min(least.value_or(gap), gap);
         }
     }

@@ -9,7 +9,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/contour/walls/share_lines.h"
+#include "anatomesh/contour/walls/merge_coincident.h"
 #include "anatomesh/contour/walls/slivers.h"
 #include "anatomesh/reconcile/regularize/enforce_clearance.h"
 #include "anatomesh/reconcile/regularize/flatten_folds.h"
@@ -28,8 +28,8 @@ struct ReconcileOptions {
     // planes
     double margin_mm = 0;
     // Contours of different structures that come to lie nearer to each other than this share their vertices
-    // (share_lines.h). mm, [0, 0.1]
-    double same_line_mm = ShareLinesOptions{}.width_mm;
+    // (merge_coincident.h). mm, [0, 0.1]
+    double same_line_mm = MergeCoincidentOptions{}.width_mm;
     // What lies between them and is narrower than this where they meet and soon meet again is closed
     // (slivers.h). mm, [0, 10]
     double close_slivers_mm = CloseSliversOptions{}.width_mm;

@@ -17,11 +17,11 @@ constexpr double least_named_change_mm = 0.1;  // of a contour that moving did n
 constexpr double outlier_mm = 2,
                  outlier_factor = 4;  // of a slice's median disagreement, and over that of all
 
-class Warner {
+class ReconcileWarnings {
   public:
-    Warner(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
-           std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
-           RunContext& context)
+    ReconcileWarnings(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
+                      std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
+                      RunContext& context)
         : set_(set),
           options_(options),
           stats_(stats),
@@ -313,7 +313,7 @@ class Warner {
 void warn_of_reconciling(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
                          std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
                          RunContext& context) {
-    Warner(set, options, stats, undrawn, isolated, context).warn();
+    ReconcileWarnings(set, options, stats, undrawn, isolated, context).warn();
 }
 
 Place place_of_slice(const ContourSet& set, std::uint32_t slice, double value_mm) {

@@ -31,12 +31,12 @@ std::vector<Equation> equations_of(const ContourSet& set, std::span<const LineCo
         const Vec2 along_a{dot(along, plane_a.u), dot(along, plane_a.v)},
             along_b{dot(along, plane_b.u), dot(along, plane_b.v)};
         for (const auto& [i, j] : comparison.matching.matched) {
-            const Vec2 normal_a = contour_normal(set, comparison.ends_a[i], normal_reach_mm),
-                       normal_b = contour_normal(set, comparison.ends_b[j], normal_reach_mm);
+            const Vec2 normal_a = contour_normal(set, comparison.endpoints_a[i], normal_reach_mm),
+                       normal_b = contour_normal(set, comparison.endpoints_b[j], normal_reach_mm);
             const double sine_a = dot(normal_a, along_a), sine_b = dot(normal_b, along_b);
             if (std::abs(sine_a) < least_crossing_sine || std::abs(sine_b) < least_crossing_sine) continue;
             equations.push_back({comparison.a, comparison.b, (1 / sine_a) * normal_a, (1 / sine_b) * normal_b,
-                                 comparison.ends_a[i].t - comparison.ends_b[j].t,
+                                 comparison.endpoints_a[i].t - comparison.endpoints_b[j].t,
                                  1 / (1 / (sine_a * sine_a) + 1 / (sine_b * sine_b))});
         }
     }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 

@@ -18,7 +18,7 @@ constexpr double shortening_reach_mm = 3;  // along the contour
 // The moves of all nodes, and the share of each that a sound slice allows.
 class BoundedMovement {
   public:
-    BoundedMovement(const ContourSet& set, const ContourGraph& graph, const DrawnPlaces& drawn,
+    BoundedMovement(const ContourSet& set, const ContourGraph& graph, const OriginalPositions& drawn,
                     const std::vector<Vec2>& moves, double most_mm)
         : set_(set),
           graph_(graph),
@@ -88,7 +88,7 @@ class BoundedMovement {
 
     const ContourSet& set_;
     const ContourGraph& graph_;
-    const DrawnPlaces& drawn_;
+    const OriginalPositions& drawn_;
     const std::vector<Vec2>& moves_;
     const double most_mm_;
     std::vector<double> shares_;  // per node
@@ -96,7 +96,7 @@ class BoundedMovement {
 
 }  // namespace
 
-void apply_movement(ContourSet& set, const ContourGraph& graph, const DrawnPlaces& drawn,
+void apply_movement(ContourSet& set, const ContourGraph& graph, const OriginalPositions& drawn,
                     const std::vector<Vec2>& moves, double most_mm, int threads) {
     assert(most_mm > 0 && drawn.at.size() == set.points.size());
     BoundedMovement movement(set, graph, drawn, moves, most_mm);

@@ -6,7 +6,7 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
-#include "anatomesh/reconcile/move/drawn_places.h"
+#include "anatomesh/reconcile/move/original_positions.h"
 
 namespace anatomesh {
 
@@ -20,7 +20,7 @@ namespace anatomesh {
 // point is further than `most_mm` from where it was drawn, as rounded; points that contours of a slice share
 // stay shared; a point whose move is zero keeps its bits. The result is the same at any number of threads.
 // Complexity: O(n log n) a check of a slice, at most 16 checks each. No earlier method is followed.
-void apply_movement(ContourSet& set, const ContourGraph& graph, const DrawnPlaces& drawn,
+void apply_movement(ContourSet& set, const ContourGraph& graph, const OriginalPositions& drawn,
                     const std::vector<Vec2>& moves, double most_mm, int threads);
 
 }  // namespace anatomesh

@@ -34,7 +34,7 @@ TEST(ApplyMovement, contours_stay_sound_and_within_the_bound) {
     for (const double size : {0.1, 1.0, 10.0, 100.0}) {
         for (const double bound : {0.5, 5.0}) {
             ContourSet set = drawn_ball(20, three_stacks(15, 7, 0.05), {0, 0.3}, random);
-            const DrawnPlaces drawn = drawn_places(set);
+            const OriginalPositions drawn = original_positions(set);
             const ContourGraph graph = make_contour_graph(set);
             apply_movement(set, graph, drawn, random_moves(graph.point_of_node.size(), size, random), bound,
                            2);
@@ -57,7 +57,7 @@ TEST(ApplyMovement, small_moves_are_made_in_full_and_no_move_keeps_the_bits) {
     std::mt19937 random(2);
     ContourSet set = drawn_ball(20, three_stacks(15, 7, 0.05), {}, random);
     const ContourSet before = set;
-    const DrawnPlaces drawn = drawn_places(set);
+    const OriginalPositions drawn = original_positions(set);
     const ContourGraph graph = make_contour_graph(set);
     apply_movement(set, graph, drawn, std::vector<Vec2>(graph.point_of_node.size()), 1, 1);
     EXPECT_EQ(set.points, before.points);
@@ -80,7 +80,7 @@ TEST(ApplyMovement, the_number_of_threads_does_not_matter) {
         ContourSet set = drawn_ball(20, three_stacks(15, 7, 0.05), {0, 0.3}, random);
         const ContourGraph graph = make_contour_graph(set);
         const std::vector<Vec2> moves = random_moves(graph.point_of_node.size(), 3, random);
-        apply_movement(set, graph, drawn_places(set), moves, 5, threads);
+        apply_movement(set, graph, original_positions(set), moves, 5, threads);
         points.push_back(set.points);
     }
     EXPECT_EQ(points[0], points[1]);

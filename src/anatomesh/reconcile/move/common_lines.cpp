@@ -15,9 +15,9 @@ struct Along {
     std::uint32_t contour = 0, from = 0;
 };
 
-class Leader {
+class ContoursOnLines {
   public:
-    Leader(ContourSet& set, const CommonLineOptions& options) : set_(set), width_(options.width_mm) {
+    ContoursOnLines(ContourSet& set, const CommonLineOptions& options) : set_(set), width_(options.width_mm) {
         for (const Contour& contour : set.contours) {
             const auto points = set.points_of(contour);
             rings_.emplace_back(points.begin(), points.end());
@@ -136,9 +136,9 @@ CommonLineStats lead_along_common_lines(ContourSet& set,
                                         std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs,
                                         const CommonLineOptions& options) {
     assert(options.width_mm >= 0);
-    Leader leader(set, options);
-    for (const auto& [a, b] : pairs) leader.lead(a, b);
-    return leader.finish();
+    ContoursOnLines contours(set, options);
+    for (const auto& [a, b] : pairs) contours.lead(a, b);
+    return contours.finish();
 }
 
 }  // namespace anatomesh

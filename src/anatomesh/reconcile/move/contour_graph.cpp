@@ -65,18 +65,19 @@ std::vector<bool> points_that_stay(const ContourSet& set, const ContourGraph& gr
     return stays;
 }
 
-EndPlaces place_ends(const ContourSet& set, const ContourGraph& graph,
-                     std::span<const LineComparison> comparisons) {
+EndpointPlaces place_endpoints(const ContourSet& set, const ContourGraph& graph,
+                               std::span<const LineComparison> comparisons) {
     struct Found {
         GraphPlace place;
         std::uint32_t comparison, end;
         bool of_a;
     };
     std::vector<Found> found;
-    EndPlaces result;
+    EndpointPlaces result;
     for (std::uint32_t c = 0; c < comparisons.size(); ++c) {
         for (const bool of_a : {true, false}) {
-            const std::vector<LineEnd>& ends = of_a ? comparisons[c].ends_a : comparisons[c].ends_b;
+            const std::vector<IntervalEndpoint>& ends =
+                of_a ? comparisons[c].endpoints_a : comparisons[c].endpoints_b;
             (of_a ? result.of_a : result.of_b).emplace_back(ends.size());
             for (std::uint32_t e = 0; e < ends.size(); ++e) {
                 GraphPlace place{no_node, 0, 0, ends[e].at};
@@ -109,7 +110,7 @@ EndPlaces place_ends(const ContourSet& set, const ContourGraph& graph,
     return result;
 }
 
-Vec2 contour_normal(const ContourSet& set, const LineEnd& end, double reach) {
+Vec2 contour_normal(const ContourSet& set, const IntervalEndpoint& end, double reach) {
     const Contour& contour = set.contours[end.contour];
     const Plane& plane = set.slices[contour.slice].plane;
     const auto walk = [&](bool forward) {

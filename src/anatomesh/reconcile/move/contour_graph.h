@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
@@ -39,7 +39,7 @@ struct GraphPlace {
 };
 
 // The ends of all comparisons as places, one entry a distinct place.
-struct EndPlaces {
+struct EndpointPlaces {
     std::vector<GraphPlace>
         places;                // those on nodes by node, then those inside segments by segment and distance
     std::size_t on_nodes = 0;  // the number of the former
@@ -48,11 +48,11 @@ struct EndPlaces {
 };
 
 // Places on one segment that differ by rounding are one. O(n log n).
-EndPlaces place_ends(const ContourSet& set, const ContourGraph& graph,
-                     std::span<const LineComparison> comparisons);
+EndpointPlaces place_endpoints(const ContourSet& set, const ContourGraph& graph,
+                               std::span<const LineComparison> comparisons);
 
 // Unit normal of the contour at an end, in the frame of its slice: across the chord of the contour that
 // reaches at least `reach` mm, or one segment, to both sides.
-Vec2 contour_normal(const ContourSet& set, const LineEnd& end, double reach);
+Vec2 contour_normal(const ContourSet& set, const IntervalEndpoint& end, double reach);
 
 }  // namespace anatomesh

@@ -11,13 +11,13 @@ constexpr double flattening = 0.2;  // what is left of the height of an arc that
 
 }  // namespace
 
-std::vector<MovementNode> movement_nodes(const ContourGraph& graph, const EndPlaces& ends,
-                                         const EndGroups& groups) {
+std::vector<MovementNode> movement_nodes(const ContourGraph& graph, const EndpointPlaces& ends,
+                                         const EndpointGroups& groups) {
     const std::size_t own = graph.point_of_node.size();
     std::vector<MovementNode> nodes(own + ends.places.size() - ends.on_nodes);
     for (std::size_t p = 0; p < ends.places.size(); ++p) {
         MovementNode& node = nodes[p < ends.on_nodes ? ends.places[p].node : own + p - ends.on_nodes];
-        const EndGroups::Member& member = groups.members[p];
+        const EndpointGroups::Member& member = groups.members[p];
         if (member.group == no_node) continue;
         if (member.pinned) {
             node = {Hold::pinned, 0, 0, member.direction};
@@ -29,7 +29,7 @@ std::vector<MovementNode> movement_nodes(const ContourGraph& graph, const EndPla
 }
 
 std::vector<MovementEdge> movement_edges(const ContourSet& set, const ContourGraph& graph,
-                                         const EndPlaces& ends) {
+                                         const EndpointPlaces& ends) {
     std::vector<MovementEdge> edges;
     const auto link = [&](std::uint32_t a, std::uint32_t b, double length) {
         edges.push_back({a, b, std::max(length, 10 * line_in_plane_mm)});

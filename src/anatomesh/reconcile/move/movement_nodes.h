@@ -5,7 +5,7 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
-#include "anatomesh/reconcile/move/end_groups.h"
+#include "anatomesh/reconcile/move/endpoint_groups.h"
 #include "anatomesh/reconcile/move/movement.h"
 #include "anatomesh/slices/lines/arc.h"
 
@@ -18,13 +18,13 @@ inline constexpr double least_clearance_mm = 0.1, clearance_share = 0.1;
 
 // Per node of the graph, and then per place inside a segment: an anchor on the line of its group, pinned
 // where lines of several planes meet, or free. O(nodes + places).
-std::vector<MovementNode> movement_nodes(const ContourGraph& graph, const EndPlaces& ends,
-                                         const EndGroups& groups);
+std::vector<MovementNode> movement_nodes(const ContourGraph& graph, const EndpointPlaces& ends,
+                                         const EndpointGroups& groups);
 
 // The graph's segments, cut at the places inside them. Every edge has a positive length. O(segments +
 // places).
 std::vector<MovementEdge> movement_edges(const ContourSet& set, const ContourGraph& graph,
-                                         const EndPlaces& ends);
+                                         const EndpointPlaces& ends);
 
 // How far a point at `height_mm` over a line is moved across it, as one of an arc that is `arc_height_mm`
 // high. All of the arc comes over the line, its points nearest to the line farthest, so that it becomes flat.

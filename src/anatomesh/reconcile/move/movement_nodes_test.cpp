@@ -32,8 +32,8 @@ TEST(MovementNodes, an_arc_comes_over_the_line_and_becomes_flat) {
 struct Crossing {
     ContourSet set;
     ContourGraph graph;
-    EndPlaces ends;
-    EndGroups groups;
+    EndpointPlaces ends;
+    EndpointGroups groups;
 };
 
 Crossing crossing_of(double noise) {
@@ -45,8 +45,8 @@ Crossing crossing_of(double noise) {
     const std::vector<LineComparison> comparisons =
         compare_planes(crossing.set, patches, crossing_pairs(patches, 5), 5, context);
     crossing.graph = make_contour_graph(crossing.set);
-    crossing.ends = place_ends(crossing.set, crossing.graph, comparisons);
-    crossing.groups = group_ends(crossing.set, crossing.ends, comparisons);
+    crossing.ends = place_endpoints(crossing.set, crossing.graph, comparisons);
+    crossing.groups = group_endpoints(crossing.set, crossing.ends, comparisons);
     return crossing;
 }
 

@@ -9,8 +9,8 @@
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/geom/point_grid.h"
-#include "anatomesh/reconcile/move/end_groups.h"
-#include "anatomesh/reconcile/move/lay_out_points.h"
+#include "anatomesh/reconcile/move/endpoint_groups.h"
+#include "anatomesh/reconcile/move/reindex_points.h"
 
 namespace anatomesh {
 
@@ -28,22 +28,23 @@ struct Insertion {
     std::uint32_t group = 0;
 };
 
-class Inserter {
+class SharedPointInsertion {
   public:
-    Inserter(ContourSet& set, std::span<const LineComparison> comparisons, const std::vector<bool>& moved)
+    SharedPointInsertion(ContourSet& set, std::span<const LineComparison> comparisons,
+                         const std::vector<bool>& moved)
         : set_(set),
           moved_(moved),
           graph_(make_contour_graph(set)),
-          ends_(place_ends(set, graph_, comparisons)),
-          groups_(group_ends(set, ends_, comparisons)),
+          ends_(place_endpoints(set, graph_, comparisons)),
+          groups_(group_endpoints(set, ends_, comparisons)),
           usable_(groups_.target.size(), true),
           insertions_(set.contours.size()) {
         put_on_lines();
         find_usable();
         join_near();
         for (std::size_t c = 0; c < comparisons.size(); ++c) {
-            gather(comparisons[c].ends_a, ends_.of_a[c]);
-            gather(comparisons[c].ends_b, ends_.of_b[c]);
+            gather(comparisons[c].endpoints_a, ends_.of_a[c]);
+            gather(comparisons[c].endpoints_b, ends_.of_b[c]);
         }
         for (auto& list : insertions_) sort_and_merge(list);
         drop_doubled();
@@ -99,7 +100,7 @@ class Inserter {
     }
 
     bool is_beyond(std::size_t p) const {
-        const EndGroups::Member& member = groups_.members[p];
+        const EndpointGroups::Member& member = groups_.members[p];
         const double distance = length(groups_.target[member.group] - ends_.places[p].at);
         return distance * std::max(member.sine, 0.01) > snap_mm;
     }
@@ -108,7 +109,7 @@ class Inserter {
     void put_between_the_others() {
         std::vector<double> sum(groups_.target.size(), 0), weights(groups_.target.size(), 0);
         for (std::size_t p = 0; p < ends_.places.size(); ++p) {
-            const EndGroups::Member& member = groups_.members[p];
+            const EndpointGroups::Member& member = groups_.members[p];
             if (member.group == no_node || !lacks_some_[member.group] || left_out_[p]) continue;
             const double weight = member.weight();
             sum[member.group] += weight * groups_.lines[member.group].front().along(ends_.places[p].at);
@@ -194,11 +195,11 @@ class Inserter {
         return point;
     }
 
-    void gather(const std::vector<LineEnd>& ends, const std::vector<std::uint32_t>& places) {
+    void gather(const std::vector<IntervalEndpoint>& ends, const std::vector<std::uint32_t>& places) {
         for (std::size_t e = 0; e < ends.size(); ++e) {
             const std::uint32_t group = groups_.members[places[e]].group;
             if (group == no_node || !usable_[group] || left_out_[places[e]]) continue;
-            const LineEnd& end = ends[e];
+            const IntervalEndpoint& end = ends[e];
             insertions_[end.contour].push_back({end.from, end.from == end.to,
                                                 length(ends_.places[places[e]].at - set_.points[end.from]),
                                                 group});
@@ -323,14 +324,14 @@ class Inserter {
         std::vector<std::vector<Vec3>> fresh;
         for (std::uint32_t c = 0; c < set_.contours.size(); ++c)
             fresh.push_back(with_points(c, [&](std::uint32_t group) { return usable_[group]; }));
-        lay_out_points(set_, fresh);
+        reindex_points(set_, fresh);
     }
 
     ContourSet& set_;
     const std::vector<bool>& moved_;
     const ContourGraph graph_;
-    const EndPlaces ends_;
-    EndGroups groups_;
+    const EndpointPlaces ends_;
+    EndpointGroups groups_;
     std::vector<bool> usable_;
     std::vector<std::uint8_t> left_out_;              // per place: its slice keeps it where it is
     std::vector<std::uint8_t> lacks_some_;            // per group: of its places
@@ -343,7 +344,7 @@ class Inserter {
 
 SharedPoints insert_shared_points(ContourSet& set, std::span<const LineComparison> comparisons,
                                   const std::vector<bool>& moved) {
-    return Inserter(set, comparisons, moved).run();
+    return SharedPointInsertion(set, comparisons, moved).run();
 }
 
 }  // namespace anatomesh

@@ -7,7 +7,7 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 

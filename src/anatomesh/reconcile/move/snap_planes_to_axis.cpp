@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "anatomesh/geom/box.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
@@ -21,18 +21,18 @@ constexpr std::uint32_t most_firsts = 3;  // slices that are paired with all oth
 constexpr double least_sine = 0.01;       // between two planes that tell where the axis is
 
 // A straight line between two points, as far as contours reach along it.
-struct Axis {
+struct AxisSegment {
     std::array<Vec3, 2> ends;
     Vec3 direction() const { return normalized(ends[1] - ends[0]); }
 };
 
-bool runs_through(const Plane& plane, const Axis& axis) {
+bool runs_through(const Plane& plane, const AxisSegment& axis) {
     return std::all_of(axis.ends.begin(), axis.ends.end(),
                        [&](Vec3 p) { return std::abs(plane.signed_distance(p)) <= beside_mm; });
 }
 
 // As far as the box of all contours reaches along it.
-std::optional<Axis> common_line(const Box3& box, const Plane& p, const Plane& q) {
+std::optional<AxisSegment> common_line(const Box3& box, const Plane& p, const Plane& q) {
     const Vec3 way = cross(p.normal, q.normal);
     const double sine = length(way);
     if (sine < least_sine) return std::nullopt;
@@ -48,10 +48,10 @@ std::optional<Axis> common_line(const Box3& box, const Plane& p, const Plane& q)
         high = std::max(high, dot(x - at, direction));
     }
     if (!(low < high)) return std::nullopt;
-    return Axis{{at + low * direction, at + high * direction}};
+    return AxisSegment{{at + low * direction, at + high * direction}};
 }
 
-std::vector<std::uint32_t> planes_through(const ContourSet& set, const Axis& axis) {
+std::vector<std::uint32_t> planes_through(const ContourSet& set, const AxisSegment& axis) {
     std::vector<std::uint32_t> found;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
         if (runs_through(set.slices[s].plane, axis)) found.push_back(s);
@@ -60,15 +60,16 @@ std::vector<std::uint32_t> planes_through(const ContourSet& set, const Axis& axi
 }
 
 // The line through which most planes run, of those of some slices and all others.
-std::optional<Axis> axis_of_most(const ContourSet& set) {
+std::optional<AxisSegment> axis_of_most(const ContourSet& set) {
     Box3 box;
     for (const Vec3& p : set.points) box.extend(p);
-    std::optional<Axis> best;
+    std::optional<AxisSegment> best;
     std::size_t most = std::max(least_planes - 1, set.slices.size() / 2);
     const auto firsts = std::min<std::uint32_t>(most_firsts, static_cast<std::uint32_t>(set.slices.size()));
     for (std::uint32_t a = 0; a < firsts; ++a) {
         for (std::uint32_t b = a + 1; b < set.slices.size(); ++b) {
-            const std::optional<Axis> axis = common_line(box, set.slices[a].plane, set.slices[b].plane);
+            const std::optional<AxisSegment> axis =
+                common_line(box, set.slices[a].plane, set.slices[b].plane);
             if (!axis) continue;
             const std::size_t count = planes_through(set, *axis).size();
             if (count <= most) continue;
@@ -100,7 +101,7 @@ Vec3 nearest_to_all(const ContourSet& set, const std::vector<std::uint32_t>& sli
 }
 
 // The plane turned to run through the axis.
-Plane through(const Plane& plane, const Axis& axis) {
+Plane through(const Plane& plane, const AxisSegment& axis) {
     const Vec3 direction = axis.direction();
     const Vec3 normal = normalized(plane.normal - dot(plane.normal, direction) * direction);
     return make_plane(plane.origin + dot(axis.ends[0] - plane.origin, normal) * normal, normal);
@@ -116,11 +117,11 @@ bool keeps_points(const ContourSet& set, const Slice& slice, const Plane& plane)
 
 std::uint32_t turn_about_axis(ContourSet& set) {
     if (set.slices.size() < least_planes) return 0;
-    const std::optional<Axis> rough = axis_of_most(set);
+    const std::optional<AxisSegment> rough = axis_of_most(set);
     if (!rough) return 0;
     const std::vector<std::uint32_t> slices = planes_through(set, *rough);
-    const Axis axis{{nearest_to_all(set, slices, rough->ends[0], rough->direction()),
-                     nearest_to_all(set, slices, rough->ends[1], rough->direction())}};
+    const AxisSegment axis{{nearest_to_all(set, slices, rough->ends[0], rough->direction()),
+                            nearest_to_all(set, slices, rough->ends[1], rough->direction())}};
     std::uint32_t turned = 0;
     for (const std::uint32_t s : slices) {
         Plane& plane = set.slices[s].plane;

@@ -11,8 +11,8 @@
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
-#include "anatomesh/reconcile/move/lay_out_points.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/reconcile/move/reindex_points.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
@@ -53,9 +53,10 @@ Foot foot_of(Vec2 p, Vec2 a, Vec2 b) {
     return {share, length(p - at), at};
 }
 
-class SliceKeeper {
+class SliceClearance {
   public:
-    SliceKeeper(const ContourSet& set, const DrawnPlaces& drawn, std::uint32_t slice, double least_mm)
+    SliceClearance(const ContourSet& set, const OriginalPositions& drawn, std::uint32_t slice,
+                   double least_mm)
         : set_(set), slice_(slice), plane_(set.slices[slice].plane), least_mm_(least_mm) {
         for (const Contour& contour : set.contours_of(set.slices[slice])) {
             Loop loop{contour.structure, {}};
@@ -208,18 +209,18 @@ class SliceKeeper {
 
 }  // namespace
 
-ClearanceStats enforce_clearance(ContourSet& set, DrawnPlaces& drawn, double least_mm) {
+ClearanceStats enforce_clearance(ContourSet& set, OriginalPositions& drawn, double least_mm) {
     assert(least_mm > 0);
     ClearanceStats kept;
     std::vector<std::vector<Vec3>> points(set.contours.size());
-    DrawnPlaces now;
+    OriginalPositions now;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        SliceKeeper keeper(set, drawn, s, least_mm);
-        const ClearanceStats of_slice = keeper.run();
+        SliceClearance clearance(set, drawn, s, least_mm);
+        const ClearanceStats of_slice = clearance.run();
         kept.places += of_slice.places;
         kept.farthest_mm = std::max(kept.farthest_mm, of_slice.farthest_mm);
         std::size_t c = set.slices[s].first_contour;
-        for (const Loop& loop : keeper.loops()) {
+        for (const Loop& loop : clearance.loops()) {
             for (const Point& point : loop.points) {
                 points[c].push_back(point.at);
                 now.at.push_back(point.drawn);
@@ -229,7 +230,7 @@ ClearanceStats enforce_clearance(ContourSet& set, DrawnPlaces& drawn, double lea
         }
     }
     if (kept.places == 0) return kept;
-    lay_out_points(set, points);
+    reindex_points(set, points);
     drawn = std::move(now);
     return kept;
 }

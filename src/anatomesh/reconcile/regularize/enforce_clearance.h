@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/reconcile/move/drawn_places.h"
+#include "anatomesh/reconcile/move/original_positions.h"
 
 namespace anatomesh {
 
@@ -21,6 +21,6 @@ struct ClearanceStats {
 // would not be sound keeps a place as it is. `drawn` is kept up. Requires: a kept contour set, least_mm > 0.
 // Guarantees: a kept contour set, by exact predicates. O(n log n) and O(points of the slice + slices) a
 // place.
-ClearanceStats enforce_clearance(ContourSet& set, DrawnPlaces& drawn, double least_mm);
+ClearanceStats enforce_clearance(ContourSet& set, OriginalPositions& drawn, double least_mm);
 
 }  // namespace anatomesh

@@ -39,7 +39,7 @@ TEST(EnforceClearance, what_movement_brought_to_all_but_touch_comes_apart) {
         const Plane plane = make_plane({1, 2, 3}, normal);
         for (const double gap : {1e-6, 1e-3, 0.05, 0.09}) {
             ContourSet set = one_slice(notched(gap), plane);
-            DrawnPlaces drawn = drawn_places(one_slice(notched(3), plane));
+            OriginalPositions drawn = original_positions(one_slice(notched(3), plane));
             const ClearanceStats kept = enforce_clearance(set, drawn, least_mm);
             EXPECT_EQ(kept.places, 1u) << gap;
             EXPECT_NEAR(kept.farthest_mm, least_mm - gap, 1e-9);
@@ -55,7 +55,7 @@ TEST(EnforceClearance, what_was_drawn_as_near_or_is_far_enough_keeps_its_bits) {
     for (const auto& [gap, was] : {std::pair{0.05, 0.06}, std::pair{0.001, 0.001}, std::pair{0.11, 3.0}}) {
         ContourSet set = one_slice(notched(gap), plane);
         const ContourSet before = set;
-        DrawnPlaces drawn = drawn_places(one_slice(notched(was), plane));
+        OriginalPositions drawn = original_positions(one_slice(notched(was), plane));
         EXPECT_EQ(enforce_clearance(set, drawn, least_mm).places, 0u);
         EXPECT_EQ(set.points, before.points);
     }
@@ -66,7 +66,7 @@ TEST(EnforceClearance, a_vertex_in_another_slices_plane_stays_and_the_segment_gi
     add_slice(set, make_plane({}, {1, 0, 0}), {{-20, -20}, {20, -20}, {20, 20}, {-20, 20}});
     ContourSet was = one_slice(notched(3), make_plane({}, {0, 0, 1}));
     add_slice(was, make_plane({}, {1, 0, 0}), {{-20, -20}, {20, -20}, {20, 20}, {-20, 20}});
-    DrawnPlaces drawn = drawn_places(was);
+    OriginalPositions drawn = original_positions(was);
     EXPECT_EQ(enforce_clearance(set, drawn, least_mm).places, 1u);
     EXPECT_EQ(set.contours[0].point_count, 8u);
     EXPECT_EQ(drawn.at.size(), set.points.size());
@@ -89,7 +89,7 @@ TEST(EnforceClearance, what_structures_share_stays_shared) {
         return set;
     };
     ContourSet set = two(0.01);
-    DrawnPlaces drawn = drawn_places(two(3));
+    OriginalPositions drawn = original_positions(two(3));
     EXPECT_GE(enforce_clearance(set, drawn, least_mm).places, 1u);
     EXPECT_NEAR(tip_gap(set), least_mm, 1e-9);
     const auto first = set.points_of(set.contours[0]);

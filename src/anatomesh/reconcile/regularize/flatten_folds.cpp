@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "anatomesh/contour/overlay/slice_soundness.h"
-#include "anatomesh/reconcile/move/lay_out_points.h"
+#include "anatomesh/reconcile/move/reindex_points.h"
 
 namespace anatomesh {
 
@@ -155,9 +155,9 @@ void take_out(Ring& ring, const Fold& fold, FoldStats& stats) {
     ring = std::move(kept);
 }
 
-class Flattener {
+class FoldRemoval {
   public:
-    Flattener(ContourSet& set, std::vector<MovedPoint> moved, const FoldOptions& options)
+    FoldRemoval(ContourSet& set, std::vector<MovedPoint> moved, const FoldOptions& options)
         : set_(set), moved_(std::move(moved)), options_(options) {
         std::sort(moved_.begin(), moved_.end(),
                   [](const MovedPoint& p, const MovedPoint& q) { return lexicographic_less(p.at, q.at); });
@@ -172,7 +172,7 @@ class Flattener {
     FoldStats run() {
         std::vector<std::vector<Vec3>> fresh(set_.contours.size());
         for (const Slice& slice : set_.slices) flatten(slice, fresh);
-        lay_out_points(set_, fresh);
+        reindex_points(set_, fresh);
         return stats_;
     }
 
@@ -256,7 +256,7 @@ class Flattener {
 
 FoldStats flatten_folds(ContourSet& set, std::vector<MovedPoint> moved, const FoldOptions& options) {
     assert(options.longest_mm > 0);
-    return Flattener(set, std::move(moved), options).run();
+    return FoldRemoval(set, std::move(moved), options).run();
 }
 
 }  // namespace anatomesh

@@ -9,8 +9,8 @@
 
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
-#include "anatomesh/reconcile/move/lay_out_points.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/reconcile/move/reindex_points.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
@@ -29,17 +29,17 @@ double radians(double degrees) {
     return degrees * std::numbers::pi / 180;
 }
 
-struct Axis {
+struct AxisOfPlanes {
     Line line;
     std::vector<std::uint32_t> slices;  // of planes through it
 };
 
 // Lines that four planes or more run through.
-std::vector<Axis> find_axes(const ContourSet& set) {
+std::vector<AxisOfPlanes> find_axes(const ContourSet& set) {
     const auto count = static_cast<std::uint32_t>(set.slices.size());
-    std::vector<Axis> axes;
+    std::vector<AxisOfPlanes> axes;
     const auto is_known = [&](std::uint32_t a, std::uint32_t b) {
-        return std::any_of(axes.begin(), axes.end(), [&](const Axis& axis) {
+        return std::any_of(axes.begin(), axes.end(), [&](const AxisOfPlanes& axis) {
             return std::binary_search(axis.slices.begin(), axis.slices.end(), a) &&
                    std::binary_search(axis.slices.begin(), axis.slices.end(), b);
         });
@@ -102,7 +102,7 @@ struct HalfPlane {
 
 class AxisRegularization {
   public:
-    AxisRegularization(const ContourSet& set, const Axis& axis, std::uint32_t structure,
+    AxisRegularization(const ContourSet& set, const AxisOfPlanes& axis, std::uint32_t structure,
                        const AlongAxisBounds& most_mm, const AlongAxisOptions& options,
                        const std::vector<bool>& stays)
         : set_(set), axis_(axis), most_mm_(most_mm), options_(options), stays_(stays) {
@@ -255,7 +255,7 @@ class AxisRegularization {
     }
 
     const ContourSet& set_;
-    const Axis& axis_;
+    const AxisOfPlanes& axis_;
     const AlongAxisBounds& most_mm_;
     const AlongAxisOptions& options_;
     const std::vector<bool>& stays_;
@@ -264,17 +264,17 @@ class AxisRegularization {
 
 class AlongAxisRegularization {
   public:
-    AlongAxisRegularization(ContourSet& set, DrawnPlaces& drawn, const AlongAxisBounds& most_mm,
+    AlongAxisRegularization(ContourSet& set, OriginalPositions& drawn, const AlongAxisBounds& most_mm,
                             const AlongAxisOptions& options)
         : set_(set), drawn_(drawn), most_mm_(most_mm), options_(options), graph_(make_contour_graph(set)) {}
 
     AlongAxisStats run() {
-        const std::vector<Axis> axes = find_axes(set_);
+        const std::vector<AxisOfPlanes> axes = find_axes(set_);
         if (axes.empty()) return {};
         stays_ = points_that_stay(set_, graph_);
         moved_.assign(graph_.point_of_node.size(), Vec3{});
         put_in_.resize(graph_.segments.size());
-        for (const Axis& axis : axes) {
+        for (const AxisOfPlanes& axis : axes) {
             for (std::uint32_t s = 0; s < set_.structures.size(); ++s) {
                 AxisRegularization regularization(set_, axis, s, most_mm_, options_, stays_);
                 if (regularization.run()) take(regularization.halves());
@@ -286,7 +286,7 @@ class AlongAxisRegularization {
 
   private:
     // Of a segment of the graph.
-    struct PutIn {
+    struct InsertedAlongAxis {
         double share = 0;  // of the way from its lower node
         Vec3 at, was;
         double by_mm = 0;
@@ -324,10 +324,11 @@ class AlongAxisRegularization {
         const std::uint32_t segment = graph_.segment_of_point[point.point];
         const auto [low, high] = graph_.segments[segment];
         const double share = graph_.node_of_point[point.point] == low ? point.share : 1 - point.share;
-        std::vector<PutIn>& all = put_in_[segment];
+        std::vector<InsertedAlongAxis>& all = put_in_[segment];
         constexpr double same_share = 1e-9;
-        if (std::any_of(all.begin(), all.end(),
-                        [&](const PutIn& put) { return std::abs(put.share - share) < same_share; }))
+        if (std::any_of(all.begin(), all.end(), [&](const InsertedAlongAxis& put) {
+                return std::abs(put.share - share) < same_share;
+            }))
             return;
         const std::uint32_t a = graph_.point_of_node[low], b = graph_.point_of_node[high];
         all.push_back({share, set_.points[a] + share * (set_.points[b] - set_.points[a]) + way,
@@ -350,12 +351,13 @@ class AlongAxisRegularization {
             const std::uint32_t node = graph_.node_of_point[k], segment = graph_.segment_of_point[k];
             add(changed ? set_.points[k] + moved_[node] : set_.points[k], drawn_.at[k], drawn_.is_drawn[k]);
             if (!changed) continue;
-            std::vector<PutIn> between = put_in_[segment];
+            std::vector<InsertedAlongAxis> between = put_in_[segment];
             const bool upwards = graph_.segments[segment][0] == node;
-            std::sort(between.begin(), between.end(), [&](const PutIn& p, const PutIn& q) {
-                return upwards ? p.share < q.share : p.share > q.share;
-            });
-            for (const PutIn& put : between) add(put.at, put.was, false);
+            std::sort(between.begin(), between.end(),
+                      [&](const InsertedAlongAxis& p, const InsertedAlongAxis& q) {
+                          return upwards ? p.share < q.share : p.share > q.share;
+                      });
+            for (const InsertedAlongAxis& put : between) add(put.at, put.was, false);
         }
         return result;
     }
@@ -367,13 +369,13 @@ class AlongAxisRegularization {
         };
         for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
             add(length(moved_[graph_.node_of_point[k]]));
-            for (const PutIn& put : put_in_[graph_.segment_of_point[k]]) add(put.by_mm);
+            for (const InsertedAlongAxis& put : put_in_[graph_.segment_of_point[k]]) add(put.by_mm);
         }
     }
 
     void lay_out() {
         std::vector<std::vector<Vec3>> fresh(set_.contours.size());
-        DrawnPlaces drawn;
+        OriginalPositions drawn;
         for (const Slice& slice : set_.slices) {
             const std::uint32_t end = slice.first_contour + slice.contour_count;
             std::vector<PlaneRing> rings;
@@ -392,26 +394,26 @@ class AlongAxisRegularization {
                 drawn.is_drawn.insert(drawn.is_drawn.end(), contour.is_drawn.begin(), contour.is_drawn.end());
             }
         }
-        lay_out_points(set_, fresh);
+        reindex_points(set_, fresh);
         drawn_ = std::move(drawn);
     }
 
     ContourSet& set_;
-    DrawnPlaces& drawn_;
+    OriginalPositions& drawn_;
     const AlongAxisBounds& most_mm_;
     const AlongAxisOptions& options_;
     const ContourGraph graph_;
     AlongAxisStats stats_;
     bool any_ = false;
-    std::vector<bool> stays_;                 // per point of the set
-    std::vector<Vec3> moved_;                 // per node: by how much
-    std::vector<std::vector<PutIn>> put_in_;  // per segment
+    std::vector<bool> stays_;                             // per point of the set
+    std::vector<Vec3> moved_;                             // per node: by how much
+    std::vector<std::vector<InsertedAlongAxis>> put_in_;  // per segment
 };
 
 }  // namespace
 
-AlongAxisStats regularize_along_axis(ContourSet& set, DrawnPlaces& drawn, const AlongAxisBounds& most_mm,
-                                     const AlongAxisOptions& options) {
+AlongAxisStats regularize_along_axis(ContourSet& set, OriginalPositions& drawn,
+                                     const AlongAxisBounds& most_mm, const AlongAxisOptions& options) {
     assert(options.radius_mm > 0 && options.least_degrees > 0 && options.least_degrees < 180);
     assert(drawn.at.size() == set.points.size());
     assert(most_mm.size() == set.slices.size());

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/reconcile/move/drawn_places.h"
+#include "anatomesh/reconcile/move/original_positions.h"
 
 namespace anatomesh {
 
@@ -40,7 +40,7 @@ struct AlongAxisStats {
 // contours. The set's points are laid out anew, in the same order, and `drawn` with them. Complexity: O(s^3)
 // for s slices to find the lines, small; then O(flanks' points times those of a half plane beside the line).
 // No earlier method is followed.
-AlongAxisStats regularize_along_axis(ContourSet& set, DrawnPlaces& drawn, const AlongAxisBounds& most_mm,
-                                     const AlongAxisOptions& options);
+AlongAxisStats regularize_along_axis(ContourSet& set, OriginalPositions& drawn,
+                                     const AlongAxisBounds& most_mm, const AlongAxisOptions& options);
 
 }  // namespace anatomesh

@@ -55,7 +55,7 @@ double distance_at(const ContourSet& set, int half) {
 }
 
 AlongAxisStats regularize(ContourSet& set, const ContourSet& drawn_set, double bound = 10) {
-    DrawnPlaces drawn = drawn_places(drawn_set);
+    OriginalPositions drawn = original_positions(drawn_set);
     const AlongAxisStats stats =
         regularize_along_axis(set, drawn, AlongAxisBounds(set.slices.size(), bound), {1.5, 70, 10});
     EXPECT_EQ(drawn.at.size(), set.points.size());

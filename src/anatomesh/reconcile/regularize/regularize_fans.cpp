@@ -13,7 +13,7 @@
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
-#include "anatomesh/reconcile/move/lay_out_points.h"
+#include "anatomesh/reconcile/move/reindex_points.h"
 
 namespace anatomesh {
 
@@ -41,7 +41,7 @@ struct Visit {
     std::uint32_t slice = 0, structure = 0, contour = 0, point = 0;
 };
 
-struct PutIn {
+struct InsertedPoint {
     Vec3 at, was;
 };
 
@@ -59,7 +59,7 @@ struct Leg {
 
 class FanRegularization {
   public:
-    FanRegularization(ContourSet& set, DrawnPlaces& drawn, const FanOptions& options)
+    FanRegularization(ContourSet& set, OriginalPositions& drawn, const FanOptions& options)
         : set_(set), drawn_(drawn), options_(options), graph_(make_contour_graph(set)) {}
 
     FanStats run() {
@@ -331,7 +331,7 @@ class FanRegularization {
 
     void lay_out() {
         std::vector<std::vector<Vec3>> fresh(set_.contours.size());
-        DrawnPlaces drawn;
+        OriginalPositions drawn;
         for (const Slice& slice : set_.slices) {
             std::vector<PlaneRing> rings;
             const std::uint32_t end = slice.first_contour + slice.contour_count;
@@ -353,21 +353,21 @@ class FanRegularization {
                 drawn.at.push_back(drawn_.at[k]);
                 drawn.is_drawn.push_back(drawn_.is_drawn[k]);
                 stats_.highest_mm = std::max(stats_.highest_mm, length(moved_[k] - set_.points[k]));
-                for (const PutIn& point : ordered(k)) {
+                for (const InsertedPoint& point : ordered(k)) {
                     drawn.at.push_back(point.was);
                     drawn.is_drawn.push_back(false);
                     stats_.highest_mm = std::max(stats_.highest_mm, length(point.at - point.was));
                 }
             }
         }
-        lay_out_points(set_, fresh);
+        reindex_points(set_, fresh);
         drawn_ = std::move(drawn);
     }
 
     // Of two poles' legs on one segment the nearer comes first.
-    std::vector<PutIn> ordered(std::uint32_t k) const {
-        std::vector<PutIn> points = put_in_[k];
-        std::sort(points.begin(), points.end(), [&](const PutIn& p, const PutIn& q) {
+    std::vector<InsertedPoint> ordered(std::uint32_t k) const {
+        std::vector<InsertedPoint> points = put_in_[k];
+        std::sort(points.begin(), points.end(), [&](const InsertedPoint& p, const InsertedPoint& q) {
             return squared_length(p.was - set_.points[k]) < squared_length(q.was - set_.points[k]);
         });
         return points;
@@ -377,7 +377,7 @@ class FanRegularization {
         std::vector<Vec3> points;
         for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
             points.push_back(moved_[k]);
-            for (const PutIn& point : ordered(k)) points.push_back(point.at);
+            for (const InsertedPoint& point : ordered(k)) points.push_back(point.at);
         }
         return points;
     }
@@ -390,7 +390,7 @@ class FanRegularization {
     }
 
     ContourSet& set_;
-    DrawnPlaces& drawn_;
+    OriginalPositions& drawn_;
     const FanOptions& options_;
     const ContourGraph graph_;
     FanStats stats_;
@@ -399,12 +399,12 @@ class FanRegularization {
     std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3> ways_;  // of legs that were turned
     std::vector<bool> stays_;                                       // per point of the set
     std::vector<Vec3> moved_;                                       // the same
-    std::vector<std::vector<PutIn>> put_in_;                        // after the point
+    std::vector<std::vector<InsertedPoint>> put_in_;                // after the point
 };
 
 }  // namespace
 
-FanStats regularize_fans(ContourSet& set, DrawnPlaces& drawn, const FanOptions& options) {
+FanStats regularize_fans(ContourSet& set, OriginalPositions& drawn, const FanOptions& options) {
     assert(options.radius_mm > 0 && options.least_degrees > 0 && options.least_degrees < 180);
     assert(options.steepest_degrees > 0 && options.steepest_degrees <= 90);
     assert(drawn.at.size() == set.points.size());

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/reconcile/move/drawn_places.h"
+#include "anatomesh/reconcile/move/original_positions.h"
 
 namespace anatomesh {
 
@@ -39,6 +39,6 @@ struct FanStats {
 // not be sound keeps its contours; points within the radius keep their distance from the pole. The set's
 // points are laid out anew, in the same order, and `drawn` with them. O(n log n), a check of the slices that
 // change, and 50 turns a leg. No earlier method is followed.
-FanStats regularize_fans(ContourSet& set, DrawnPlaces& drawn, const FanOptions& options);
+FanStats regularize_fans(ContourSet& set, OriginalPositions& drawn, const FanOptions& options);
 
 }  // namespace anatomesh

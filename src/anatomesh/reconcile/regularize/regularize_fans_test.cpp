@@ -26,9 +26,9 @@ using Slope = std::function<double(double azimuth, int leg)>;
 
 struct Fan {
     ContourSet set;
-    DrawnPlaces drawn;
+    OriginalPositions drawn;
     FanStats regularize(double most_moved_mm = 10) {
-        drawn = drawn_places(set);
+        drawn = original_positions(set);
         return regularize_fans(set, drawn, {radius, 70, most_moved_mm});
     }
 };

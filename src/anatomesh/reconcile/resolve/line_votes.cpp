@@ -15,9 +15,9 @@ bool runs_by(const Line& line, const Line& other, Vec3 place) {
            length(line.at(line.along(place)) - place) <= same_place_mm;
 }
 
-bool is_inside(const std::vector<LineEnd>& ends, double t) {
+bool is_inside(const std::vector<IntervalEndpoint>& ends, double t) {
     const auto beyond = std::upper_bound(ends.begin(), ends.end(), t,
-                                         [](double at, const LineEnd& end) { return at < end.t; });
+                                         [](double at, const IntervalEndpoint& end) { return at < end.t; });
     return (beyond - ends.begin()) % 2 == 1;
 }
 
@@ -41,7 +41,7 @@ LineVotes::LineVotes(std::span<const LineComparison> comparisons) : comparisons_
 }
 
 bool LineVotes::most_agree(const LineComparison& comparison, std::uint32_t own, double t) const {
-    const bool inside = is_inside(own == comparison.a ? comparison.ends_a : comparison.ends_b, t);
+    const bool inside = is_inside(own == comparison.a ? comparison.endpoints_a : comparison.endpoints_b, t);
     const Vec3 place = comparison.line.at(t);
     std::size_t with = 1, against = 0;
     for (std::uint32_t n = first_[own]; n < first_[own + 1]; ++n) {
@@ -51,8 +51,8 @@ bool LineVotes::most_agree(const LineComparison& comparison, std::uint32_t own, 
         // Beyond what the other one says something of, or is compared on.
         const auto& [first, last] = own == one.a ? one.seen_by_b : one.seen_by_a;
         if (!(there >= first && there <= last)) continue;
-        if (is_inside(own == one.a ? one.ends_a : one.ends_b, there) != inside) continue;
-        ++(is_inside(own == one.a ? one.ends_b : one.ends_a, there) == inside ? with : against);
+        if (is_inside(own == one.a ? one.endpoints_a : one.endpoints_b, there) != inside) continue;
+        ++(is_inside(own == one.a ? one.endpoints_b : one.endpoints_a, there) == inside ? with : against);
     }
     return with > against;
 }

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 

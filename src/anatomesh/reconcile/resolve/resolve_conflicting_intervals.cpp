@@ -8,123 +8,126 @@
 #include <utility>
 
 #include "anatomesh/reconcile/move/movement_nodes.h"
-#include "anatomesh/reconcile/resolve/facing_stretch.h"
+#include "anatomesh/reconcile/resolve/edit_region.h"
 #include "anatomesh/reconcile/resolve/line_votes.h"
-#include "anatomesh/reconcile/resolve/repaint.h"
+#include "anatomesh/reconcile/resolve/nearest_arc.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_changes = 200, most_tries = 1000;
+constexpr std::size_t most_edits = 200, most_tries = 1000;
 constexpr double most_times = 3;  // a change may be larger than the piece, or the clearance: a spike
 // Shorter ones are left: contours would get segments as short, and cells of that size.
-constexpr double least_piece_mm = 0.01;
+constexpr double least_interval_length_mm = 0.01;
 constexpr double least_gain = 0.5;           // of the piece: by so much slices have to differ less
 constexpr double least_difference_mm = 0.1;  // on a line, of slices that contradict each other
 
 // Where on a line a piece begins or ends.
-struct PieceEnd {
+struct IntervalEnd {
     double t = 0;
     Vec3 at;
     bool of_a = false;   // of slice a's contour, or b's
     double room_mm = 0;  // to the next end beyond it, of either slice
 };
 
-struct Piece {
+struct ConflictingInterval {
     std::uint32_t a = 0, b = 0, structure = 0;
     Line line;
-    PieceEnd low, high;
+    IntervalEnd low, high;
     bool in_a = false;  // inside on slice a, outside on b; or the other way round
     double length_mm() const { return high.t - low.t; }
     double middle() const { return 0.5 * (low.t + high.t); }
 };
 
-std::vector<Piece> pieces_of(const LineComparison& c) {
-    std::vector<PieceEnd> ends;
-    for (const LineEnd& end : c.ends_a) ends.push_back({end.t, end.at, true, 0});
-    for (const LineEnd& end : c.ends_b) ends.push_back({end.t, end.at, false, 0});
-    std::sort(ends.begin(), ends.end(),
-              [](const PieceEnd& p, const PieceEnd& q) { return p.t != q.t ? p.t < q.t : p.of_a > q.of_a; });
-    std::vector<Piece> pieces;
+std::vector<ConflictingInterval> conflicting_intervals_of(const LineComparison& c) {
+    std::vector<IntervalEnd> ends;
+    for (const IntervalEndpoint& end : c.endpoints_a) ends.push_back({end.t, end.at, true, 0});
+    for (const IntervalEndpoint& end : c.endpoints_b) ends.push_back({end.t, end.at, false, 0});
+    std::sort(ends.begin(), ends.end(), [](const IntervalEnd& p, const IntervalEnd& q) {
+        return p.t != q.t ? p.t < q.t : p.of_a > q.of_a;
+    });
+    std::vector<ConflictingInterval> intervals;
     bool in_a = false, in_b = false;
     for (std::size_t n = 0; n + 1 < ends.size(); ++n) {
         (ends[n].of_a ? in_a : in_b) ^= true;
-        if (in_a == in_b || ends[n + 1].t - ends[n].t <= least_piece_mm) continue;
-        Piece piece{c.a, c.b, c.structure, c.line, ends[n], ends[n + 1], in_a};
+        if (in_a == in_b || ends[n + 1].t - ends[n].t <= least_interval_length_mm) continue;
+        ConflictingInterval interval{c.a, c.b, c.structure, c.line, ends[n], ends[n + 1], in_a};
         constexpr double infinity = std::numeric_limits<double>::infinity();
-        piece.low.room_mm = n > 0 ? ends[n].t - ends[n - 1].t : infinity;
-        piece.high.room_mm = n + 2 < ends.size() ? ends[n + 2].t - ends[n + 1].t : infinity;
-        pieces.push_back(piece);
+        interval.low.room_mm = n > 0 ? ends[n].t - ends[n - 1].t : infinity;
+        interval.high.room_mm = n + 2 < ends.size() ? ends[n + 2].t - ends[n + 1].t : infinity;
+        intervals.push_back(interval);
     }
-    return pieces;
+    return intervals;
 }
 
 // A change of one slice.
-struct Change {
+struct IntervalEdit {
     std::uint32_t slice = 0, other = 0;
     bool inside = false;
     double farthest_mm = std::numeric_limits<double>::infinity();
-    std::vector<PaintedRing> rings;
+    std::vector<EditedRing> rings;
 };
 
 // The ways in which a slice can come to have on a piece what the other one has.
-class Ways {
+class IntervalEdits {
   public:
-    Ways(const ContourSet& set, const Piece& piece, bool of_a, const ConflictingIntervalOptions& options)
+    IntervalEdits(const ContourSet& set, const ConflictingInterval& interval, bool of_a,
+                  const ConflictingIntervalOptions& options)
         : set_(set),
-          piece_(piece),
-          slice_(of_a ? piece.a : piece.b),
-          other_(of_a ? piece.b : piece.a),
-          inside_(of_a != piece.in_a),
+          interval_(interval),
+          slice_(of_a ? interval.a : interval.b),
+          other_(of_a ? interval.b : interval.a),
+          inside_(of_a != interval.in_a),
           of_a_(of_a),
           options_(options) {}
 
-    void add_to(std::vector<Change>& all) {
+    void add_to(std::vector<IntervalEdit>& all) {
         const std::vector<std::vector<Vec3>> strip{beside_the_line()};
-        const std::optional<std::vector<PaintedRing>> narrow =
-            repaint(set_, {slice_, piece_.structure, inside_, strip, {}});
+        const std::optional<std::vector<EditedRing>> narrow =
+            edit_region(set_, {slice_, interval_.structure, inside_, strip, {}});
         if (narrow) {
             add(*narrow, all);
             add_without_cut_off(*narrow, all);
         }
-        if (piece_.low.of_a == of_a_ && piece_.high.of_a == of_a_) return;
-        const FacingStretch stretch = facing_stretch(set_, slice_, piece_.structure, piece_.line,
-                                                     set_.slices[other_].plane, piece_.low.t, piece_.high.t);
-        if (stretch.empty()) return;
-        const std::vector<std::vector<Vec3>> regions{strip.front(), up_to(stretch)};
+        if (interval_.low.of_a == of_a_ && interval_.high.of_a == of_a_) return;
+        const NearestArc arc = nearest_arc(set_, slice_, interval_.structure, interval_.line,
+                                           set_.slices[other_].plane, interval_.low.t, interval_.high.t);
+        if (arc.empty()) return;
+        const std::vector<std::vector<Vec3>> regions{strip.front(), up_to(arc)};
         if (regions.back().size() < 3) return;
-        if (auto rings = repaint(set_, {slice_, piece_.structure, inside_, regions, stretch.places}))
+        if (auto rings = edit_region(set_, {slice_, interval_.structure, inside_, regions, arc.places}))
             add(std::move(*rings), all);
     }
 
     // What lies beside the line alone, where no contour is near that could come there.
-    void add_lone_to(std::vector<Change>& all) {
+    void add_lone_to(std::vector<IntervalEdit>& all) {
         const std::vector<std::vector<Vec3>> regions{beside_the_line()};
-        std::optional<std::vector<PaintedRing>> rings =
-            repaint(set_, {slice_, piece_.structure, inside_, regions, {}});
-        const double half = 0.5 * piece_.length_mm();
-        if (rings && piece_.length_mm() <= options_.most_parted_mm)
+        std::optional<std::vector<EditedRing>> rings =
+            edit_region(set_, {slice_, interval_.structure, inside_, regions, {}});
+        const double half = 0.5 * interval_.length_mm();
+        if (rings && interval_.length_mm() <= options_.most_parted_mm)
             all.push_back({slice_, other_, inside_, half, std::move(*rings)});
     }
 
   private:
-    void add(std::vector<PaintedRing> rings, std::vector<Change>& all) const {
-        if (rings.size() != set_.slices[slice_].contour_count && piece_.length_mm() > options_.most_parted_mm)
+    void add(std::vector<EditedRing> rings, std::vector<IntervalEdit>& all) const {
+        if (rings.size() != set_.slices[slice_].contour_count &&
+            interval_.length_mm() > options_.most_parted_mm)
             return;
         const double farthest = farthest_change(set_, slice_, rings);
         const double most =
-            std::min(options_.most_mm, most_times * std::max(piece_.length_mm(), options_.clearance_mm));
+            std::min(options_.most_mm, most_times * std::max(interval_.length_mm(), options_.clearance_mm));
         if (farthest <= most) all.push_back({slice_, other_, inside_, farthest, std::move(rings)});
     }
 
     // What was cut off goes, or is filled.
-    void add_without_cut_off(const std::vector<PaintedRing>& narrow, std::vector<Change>& all) const {
-        const ContourSet painted = with_painted(set_, slice_, narrow);
-        for (const PaintedRing& ring : narrow) {
-            if (!ring.is_new || ring.structure != piece_.structure) continue;
+    void add_without_cut_off(const std::vector<EditedRing>& narrow, std::vector<IntervalEdit>& all) const {
+        const ContourSet edited = with_edited(set_, slice_, narrow);
+        for (const EditedRing& ring : narrow) {
+            if (!ring.is_new || ring.structure != interval_.structure) continue;
             const std::vector<std::vector<Vec3>> region{ring.points};
-            if (auto rings = repaint(painted, {slice_, piece_.structure, inside_, region, {}}))
+            if (auto rings = edit_region(edited, {slice_, interval_.structure, inside_, region, {}}))
                 add(std::move(*rings), all);
         }
     }
@@ -132,50 +135,52 @@ class Ways {
     // A strip along the piece, that goes on a little beyond an end of the slice's own contour, and runs out
     // into an end of the other's.
     std::vector<Vec3> beside_the_line() const {
-        const bool from_own = piece_.low.of_a == of_a_, to_own = piece_.high.of_a == of_a_;
-        const double length = piece_.length_mm();
+        const bool from_own = interval_.low.of_a == of_a_, to_own = interval_.high.of_a == of_a_;
+        const double length = interval_.length_mm();
         double half =
             std::clamp(length, std::min(least_clearance_mm, options_.clearance_mm), options_.clearance_mm);
-        const double low = piece_.low.t - (from_own ? std::min(half, 0.5 * piece_.low.room_mm) : 0),
-                     high = piece_.high.t + (to_own ? std::min(half, 0.5 * piece_.high.room_mm) : 0);
+        const double low = interval_.low.t - (from_own ? std::min(half, 0.5 * interval_.low.room_mm) : 0),
+                     high = interval_.high.t + (to_own ? std::min(half, 0.5 * interval_.high.room_mm) : 0);
         if (!from_own || !to_own) half = std::min(half, from_own || to_own ? high - low : 0.5 * length);
         const double first = from_own ? low : low + half, last = to_own ? high : high - half;
         std::vector<Vec3> region;
         const auto add = [&](double t, double height) {
-            const Vec3 p = piece_.line.at(t) + height * across();
+            const Vec3 p = interval_.line.at(t) + height * across();
             if (region.empty() || p != region.back()) region.push_back(p);
         };
-        if (!from_own) region.push_back(piece_.low.at);
+        if (!from_own) region.push_back(interval_.low.at);
         add(first, -half);
         if (last > first) add(last, -half);
-        if (!to_own) region.push_back(piece_.high.at);
+        if (!to_own) region.push_back(interval_.high.at);
         add(last, half);
         if (last > first) add(first, half);
         return region;
     }
 
     // From the line to the contour beside the piece.
-    std::vector<Vec3> up_to(const FacingStretch& stretch) const {
-        struct Foot {
+    std::vector<Vec3> up_to(const NearestArc& arc) const {
+        struct PlaceOnLine {
             double t;
             Vec3 at;
         };
-        std::vector<Foot> feet;
-        for (const std::uint32_t k : stretch.points)
-            feet.push_back({piece_.line.along(set_.points[k]), set_.points[k]});
-        for (const LineEnd& place : stretch.places) feet.push_back({piece_.line.along(place.at), place.at});
-        std::sort(feet.begin(), feet.end(), [](const Foot& p, const Foot& q) { return p.t > q.t; });
-        std::vector<Vec3> region{piece_.low.at, piece_.high.at};
-        for (const Foot& foot : feet) {
-            if (foot.at != region.back()) region.push_back(foot.at);
+        std::vector<PlaceOnLine> places;
+        for (const std::uint32_t k : arc.points)
+            places.push_back({interval_.line.along(set_.points[k]), set_.points[k]});
+        for (const IntervalEndpoint& place : arc.places)
+            places.push_back({interval_.line.along(place.at), place.at});
+        std::sort(places.begin(), places.end(),
+                  [](const PlaceOnLine& p, const PlaceOnLine& q) { return p.t > q.t; });
+        std::vector<Vec3> region{interval_.low.at, interval_.high.at};
+        for (const PlaceOnLine& place : places) {
+            if (place.at != region.back()) region.push_back(place.at);
         }
         return region;
     }
 
-    Vec3 across() const { return cross(set_.slices[slice_].plane.normal, piece_.line.direction); }
+    Vec3 across() const { return cross(set_.slices[slice_].plane.normal, interval_.line.direction); }
 
     const ContourSet& set_;
-    const Piece& piece_;
+    const ConflictingInterval& interval_;
     const std::uint32_t slice_, other_;
     const bool inside_, of_a_;
     const ConflictingIntervalOptions& options_;
@@ -203,7 +208,7 @@ class Contradicted {
 
 class IntervalResolution {
   public:
-    IntervalResolution(ContourSet& set, DrawnPlaces& drawn, std::vector<LineComparison> comparisons,
+    IntervalResolution(ContourSet& set, OriginalPositions& drawn, std::vector<LineComparison> comparisons,
                        const CompareSlices& compare, const ConflictingIntervalOptions& options,
                        RunContext& context)
         : set_(set),
@@ -215,59 +220,61 @@ class IntervalResolution {
           context_(context) {}
 
     std::vector<ResolvedInterval> run() {
-        while (resolved_.size() < most_changes && resolve_one()) {
+        while (resolved_.size() < most_edits && resolve_one()) {
         }
         return std::move(resolved_);
     }
 
   private:
     using Key = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, double, double>;
-    static Key key_of(const Piece& piece) {
-        return {piece.a, piece.b, piece.structure, piece.low.t, piece.high.t};
+    static Key key_of(const ConflictingInterval& interval) {
+        return {interval.a, interval.b, interval.structure, interval.low.t, interval.high.t};
     }
 
     // The first piece that can be resolved.
     bool resolve_one() {
         const LineVotes votes(comparisons_);
         for (std::size_t c = 0; c < comparisons_.size(); ++c) {
-            if (comparisons_[c].difference_mm <= least_piece_mm) continue;
-            for (const Piece& piece : pieces_of(comparisons_[c])) {
-                const auto at = std::lower_bound(given_up_.begin(), given_up_.end(), key_of(piece));
-                if (at != given_up_.end() && *at == key_of(piece)) continue;
-                given_up_.insert(at, key_of(piece));
-                if (resolve(piece, comparisons_[c], votes)) return true;
+            if (comparisons_[c].difference_mm <= least_interval_length_mm) continue;
+            for (const ConflictingInterval& interval : conflicting_intervals_of(comparisons_[c])) {
+                const auto at = std::lower_bound(given_up_.begin(), given_up_.end(), key_of(interval));
+                if (at != given_up_.end() && *at == key_of(interval)) continue;
+                given_up_.insert(at, key_of(interval));
+                if (resolve(interval, comparisons_[c], votes)) return true;
                 if (tries_ > most_tries || context_.cancelled()) return false;
             }
         }
         return false;
     }
 
-    bool resolve(const Piece& piece, const LineComparison& comparison, const LineVotes& votes) {
-        const bool most_as_a = votes.most_agree(comparison, piece.a, piece.middle()),
-                   most_as_b = votes.most_agree(comparison, piece.b, piece.middle());
-        const std::uint32_t of_a = contradicted_.by(piece.a, piece.structure),
-                            of_b = contradicted_.by(piece.b, piece.structure);
+    bool resolve(const ConflictingInterval& interval, const LineComparison& comparison,
+                 const LineVotes& votes) {
+        const bool most_as_a = votes.most_agree(comparison, interval.a, interval.middle()),
+                   most_as_b = votes.most_agree(comparison, interval.b, interval.middle());
+        const std::uint32_t of_a = contradicted_.by(interval.a, interval.structure),
+                            of_b = contradicted_.by(interval.b, interval.structure);
         const bool may_a = most_as_b || (!most_as_a && of_a >= of_b),
                    may_b = most_as_a || (!most_as_b && of_b >= of_a);
-        std::vector<Change> changes;
-        if (may_a) Ways(set_, piece, true, options_).add_to(changes);
-        if (may_b) Ways(set_, piece, false, options_).add_to(changes);
-        if (changes.empty() && (most_as_a || most_as_b))
-            Ways(set_, piece, most_as_b, options_).add_lone_to(changes);
-        std::stable_sort(changes.begin(), changes.end(),
-                         [](const Change& p, const Change& q) { return p.farthest_mm < q.farthest_mm; });
+        std::vector<IntervalEdit> edits;
+        if (may_a) IntervalEdits(set_, interval, true, options_).add_to(edits);
+        if (may_b) IntervalEdits(set_, interval, false, options_).add_to(edits);
+        if (edits.empty() && (most_as_a || most_as_b))
+            IntervalEdits(set_, interval, most_as_b, options_).add_lone_to(edits);
+        std::stable_sort(edits.begin(), edits.end(), [](const IntervalEdit& p, const IntervalEdit& q) {
+            return p.farthest_mm < q.farthest_mm;
+        });
         const double left = total_difference_mm(comparisons_);
-        for (const Change& change : changes) {
+        for (const IntervalEdit& edit : edits) {
             if (++tries_ > most_tries || context_.cancelled()) return false;
-            const ContourSet changed = with_painted(set_, change.slice, change.rings);
+            const ContourSet changed = with_edited(set_, edit.slice, edit.rings);
             std::vector<LineComparison> after = compare_(changed);
-            if (total_difference_mm(after) > left - least_gain * piece.length_mm()) continue;
-            const bool parts = change.rings.size() != set_.slices[change.slice].contour_count;
+            if (total_difference_mm(after) > left - least_gain * interval.length_mm()) continue;
+            const bool parts = edit.rings.size() != set_.slices[edit.slice].contour_count;
             carry_drawn(changed);
             set_ = changed;
             comparisons_ = std::move(after);
-            resolved_.push_back({change.slice, piece.structure, change.other, change.inside, parts,
-                                 piece.length_mm(), change.farthest_mm});
+            resolved_.push_back({edit.slice, interval.structure, edit.other, edit.inside, parts,
+                                 interval.length_mm(), edit.farthest_mm});
             return true;
         }
         return false;
@@ -275,7 +282,7 @@ class IntervalResolution {
 
     // Points that were there were drawn where they were.
     void carry_drawn(const ContourSet& changed) {
-        DrawnPlaces now{changed.points, std::vector<bool>(changed.points.size(), false)};
+        OriginalPositions now{changed.points, std::vector<bool>(changed.points.size(), false)};
         for (std::size_t s = 0; s < changed.slices.size(); ++s) {
             std::vector<std::uint32_t> old;
             for (const Contour& contour : set_.contours_of(set_.slices[s])) {
@@ -301,7 +308,7 @@ class IntervalResolution {
     }
 
     ContourSet& set_;
-    DrawnPlaces& drawn_;
+    OriginalPositions& drawn_;
     std::vector<LineComparison> comparisons_;
     const Contradicted contradicted_;  // before anything was changed
     const CompareSlices& compare_;
@@ -314,7 +321,7 @@ class IntervalResolution {
 
 }  // namespace
 
-std::vector<ResolvedInterval> resolve_conflicting_intervals(ContourSet& set, DrawnPlaces& drawn,
+std::vector<ResolvedInterval> resolve_conflicting_intervals(ContourSet& set, OriginalPositions& drawn,
                                                             std::vector<LineComparison> comparisons,
                                                             const CompareSlices& compare,
                                                             const ConflictingIntervalOptions& options,

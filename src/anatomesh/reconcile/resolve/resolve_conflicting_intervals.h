@@ -8,8 +8,8 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/reconcile/move/drawn_places.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/reconcile/move/original_positions.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
@@ -50,7 +50,7 @@ using CompareSlices = std::function<std::vector<LineComparison>(const ContourSet
 // Requires: a kept contour set, `comparisons` of it. Guarantees: a kept contour set again, by exact
 // predicates; nothing changes where slices agree. Returns what was changed, in order. Deterministic.
 // Complexity: a comparison of all slices for each change. No earlier method is followed.
-std::vector<ResolvedInterval> resolve_conflicting_intervals(ContourSet& set, DrawnPlaces& drawn,
+std::vector<ResolvedInterval> resolve_conflicting_intervals(ContourSet& set, OriginalPositions& drawn,
                                                             std::vector<LineComparison> comparisons,
                                                             const CompareSlices& compare,
                                                             const ConflictingIntervalOptions& options,

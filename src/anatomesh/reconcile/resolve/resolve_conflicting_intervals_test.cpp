@@ -9,7 +9,7 @@
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/reconcile/reconcile.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
-#include "anatomesh/reconcile/resolve/repaint.h"
+#include "anatomesh/reconcile/resolve/edit_region.h"
 
 namespace anatomesh {
 namespace {
@@ -77,7 +77,7 @@ double difference_mm(const ContourSet& set) {
 
 std::vector<ResolvedInterval> resolve(ContourSet& set, ConflictingIntervalOptions options = {}) {
     RunContext context;
-    DrawnPlaces drawn = drawn_places(set);
+    OriginalPositions drawn = original_positions(set);
     const std::vector<ResolvedInterval> resolved =
         resolve_conflicting_intervals(set, drawn, compare_all(set), compare_all, options, context);
     EXPECT_EQ(drawn.at.size(), set.points.size());
@@ -248,9 +248,9 @@ TEST(ResolveConflictingIntervals, reconciling_settles_what_moving_leaves_and_say
     }
 }
 
-double area_of(const std::vector<PaintedRing>& rings, const Plane& plane, std::uint32_t structure) {
+double area_of(const std::vector<EditedRing>& rings, const Plane& plane, std::uint32_t structure) {
     double area = 0;
-    for (const PaintedRing& ring : rings) {
+    for (const EditedRing& ring : rings) {
         if (ring.structure != structure) continue;
         std::vector<Vec2> at;
         for (const Vec3& p : ring.points) at.push_back(plane.to_plane(p));
@@ -271,8 +271,8 @@ TEST(Repaint, gives_and_takes_the_region_and_nothing_else) {
         Ring square{{-1.3, -1.1}, {1.2, -1.4}, {1.5, 1.3}, {-1.1, 1.2}};
         for (const Vec2 q : square) region.push_back(plane.to_space(q + middle));
         const std::vector<std::vector<Vec3>> regions{region};
-        const auto given = repaint(set, {0, 0, true, regions, {}}),
-                   taken = repaint(set, {0, 0, false, regions, {}});
+        const auto given = edit_region(set, {0, 0, true, regions, {}}),
+                   taken = edit_region(set, {0, 0, false, regions, {}});
         if (!given || !taken) continue;  // they touch in a vertex
         const double before = signed_area(ellipse({}, 10, 8)), size = signed_area(square);
         const double with = area_of(*given, plane, 0), without = area_of(*taken, plane, 0);
@@ -280,8 +280,8 @@ TEST(Repaint, gives_and_takes_the_region_and_nothing_else) {
         EXPECT_GE(with, before - 1e-9);
         EXPECT_LE(without, before + 1e-9);
         // Twice is once.
-        const ContourSet again = with_painted(set, 0, *given);
-        const auto twice = repaint(again, {0, 0, true, regions, {}});
+        const ContourSet again = with_edited(set, 0, *given);
+        const auto twice = edit_region(again, {0, 0, true, regions, {}});
         ASSERT_TRUE(twice.has_value());
         EXPECT_NEAR(area_of(*twice, plane, 0), with, 1e-9);
         EXPECT_EQ(farthest_change(again, 0, *twice), 0);
@@ -298,12 +298,12 @@ TEST(Repaint, structures_that_exclude_each_other_share_the_new_wall) {
     set.contours.push_back({1, 0, 4, 4});
     for (const Vec2 q : Ring{{0, -10}, {10, -10}, {10, 10}, {0, 10}}) set.points.push_back(plane.to_space(q));
     const std::vector<std::vector<Vec3>> regions{{{-1, -2, 0}, {3, -2, 0}, {3, 2, 0}, {-1, 2, 0}}};
-    const auto rings = repaint(set, {0, 0, true, regions, {}});
+    const auto rings = edit_region(set, {0, 0, true, regions, {}});
     ASSERT_TRUE(rings.has_value());
     EXPECT_NEAR(area_of(*rings, plane, 0), 200 + 12, 1e-9);
     EXPECT_NEAR(area_of(*rings, plane, 1), 200 - 12, 1e-9);
     EXPECT_NEAR(farthest_change(set, 0, *rings), 3, 1e-9);
-    const auto taken = repaint(set, {0, 0, false, regions, {}});
+    const auto taken = edit_region(set, {0, 0, false, regions, {}});
     ASSERT_TRUE(taken.has_value());
     EXPECT_NEAR(area_of(*taken, plane, 0), 200 - 4, 1e-9);
     EXPECT_NEAR(area_of(*taken, plane, 1), 200 - 12, 1e-9);

@@ -55,7 +55,7 @@ std::uint32_t drawn_across(const ContourSet& set, const std::vector<std::vector<
 // How far the structure goes beyond the line where one slice alone has it, on the side where that is less;
 // infinite where no part of a contour keeps to one side.
 double depth(const ContourSet& set, const LineComparison& c, bool of_a) {
-    const std::vector<LineEnd>& ends = of_a ? c.ends_a : c.ends_b;
+    const std::vector<IntervalEndpoint>& ends = of_a ? c.endpoints_a : c.endpoints_b;
     const std::uint32_t own = of_a ? c.a : c.b, other = of_a ? c.b : c.a;
     double most = 0;
     for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
@@ -99,7 +99,7 @@ std::vector<UndrawnStructure> find_undrawn_structures(const ContourSet& set,
     for (const LineComparison& c : comparisons) {
         for (const bool of_a : {true, false}) {
             const std::uint32_t own = of_a ? c.a : c.b, other = of_a ? c.b : c.a;
-            if ((of_a ? c.ends_a : c.ends_b).empty() || drawn[other][c.structure]) continue;
+            if ((of_a ? c.endpoints_a : c.endpoints_b).empty() || drawn[other][c.structure]) continue;
             Shown& most = shown[{other, c.structure}];
             ++most.slices;
             if (c.difference_mm > most.length_mm) most.by = own;

@@ -29,14 +29,14 @@ Arc arc_from(const ContourSet& set, const Contour& contour, std::uint32_t start,
 
 }  // namespace
 
-Arc arc_between(const ContourSet& set, const LineEnd& p, const LineEnd& q, const Plane& own,
+Arc arc_between(const ContourSet& set, const IntervalEndpoint& p, const IntervalEndpoint& q, const Plane& own,
                 const Plane& other) {
     if (p.contour != q.contour) return {};
     const Contour& contour = set.contours[p.contour];
-    const auto start_after = [&](const LineEnd& end) {
+    const auto start_after = [&](const IntervalEndpoint& end) {
         return end.from == end.to ? point_after(contour, end.to) : end.to;
     };
-    const auto stop_at = [](const LineEnd& end) { return end.to; };
+    const auto stop_at = [](const IntervalEndpoint& end) { return end.to; };
     Arc one = arc_from(set, contour, start_after(p), stop_at(q), own, other);
     Arc two = arc_from(set, contour, start_after(q), stop_at(p), own, other);
     if (one.points.empty()) return two;

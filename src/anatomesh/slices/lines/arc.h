@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
@@ -18,7 +18,7 @@ struct Arc {
 
 // The lower of the two parts of the contour between p and q that keep to one side of `other`; none when the
 // ends lie on different contours, or both parts pass the plane again. O(points of the contour).
-Arc arc_between(const ContourSet& set, const LineEnd& p, const LineEnd& q, const Plane& own,
+Arc arc_between(const ContourSet& set, const IntervalEndpoint& p, const IntervalEndpoint& q, const Plane& own,
                 const Plane& other);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/contour/walls/share_lines.h"
+#include "anatomesh/contour/walls/merge_coincident.h"
 
 #include <gtest/gtest.h>
 
@@ -86,7 +86,7 @@ Polygon box_along(const Polygon& line, double left, double right, double top) {
 }
 
 // Noise up to 0.009 mm on either makes copies of one line up to 0.018 mm apart.
-const ShareLinesOptions copies{.width_mm = 0.02, .share_of_segment = 0.05};
+const MergeCoincidentOptions copies{.width_mm = 0.02, .share_of_segment = 0.05};
 
 class CopiedLines : public testing::TestWithParam<int> {};
 
@@ -99,7 +99,7 @@ TEST_P(CopiedLines, have_the_same_edges_and_nothing_runs_farther_off_than_the_wi
                 {{0, box_along(one, -1, 21, 9)}, {1, box_along(other, 0.03, 19.97, nested ? 6 : -6)}},
                 tilted);
             ContourSet after = before;
-            const ShareLinesStats stats = share_lines(after, copies);
+            const MergeCoincidentStats stats = merge_coincident(after, copies);
             SCOPED_TRACE(testing::Message() << "noise " << noise << (nested ? ", nested" : ", side by side"));
             EXPECT_LT(stats.widest_mm, copies.width_mm);
             EXPECT_GT(stats.vertices_taken, one.size());
@@ -113,7 +113,7 @@ TEST_P(CopiedLines, have_the_same_edges_and_nothing_runs_farther_off_than_the_wi
                 EXPECT_GT(signed_area(led) * signed_area(drawn), 0);
             }
             ContourSet twice = after;
-            EXPECT_EQ(share_lines(twice, copies).widest_mm, 0);
+            EXPECT_EQ(merge_coincident(twice, copies).widest_mm, 0);
             EXPECT_EQ(twice.points, after.points);
         }
     }
@@ -128,7 +128,7 @@ TEST_P(CopiedLines, farther_apart_than_the_width_stay_as_drawn) {
             const ContourSet before =
                 slice_of({{0, box_along(one, -1, 21, 9)}, {1, box_along(other, 0.5, 19.5, nested ? 6 : -6)}});
             ContourSet after = before;
-            EXPECT_EQ(share_lines(after, copies).contours_changed, 0u);
+            EXPECT_EQ(merge_coincident(after, copies).contours_changed, 0u);
             EXPECT_EQ(after.points, before.points);
         }
     }
@@ -145,7 +145,7 @@ Polygon ring_of(double radius, int steps, double turn, Vec2 centre = {}) {
     return polygon;
 }
 
-TEST(ShareLines, vertices_of_different_structures_within_the_width_become_one) {
+TEST(MergeCoincident, vertices_of_different_structures_within_the_width_become_one) {
     for (const double off : {1e-4, 0.003, 0.012}) {
         Polygon copy = ring_of(10, 40, 0);
         for (std::size_t n = 0; n < copy.size(); ++n)
@@ -153,7 +153,7 @@ TEST(ShareLines, vertices_of_different_structures_within_the_width_become_one) {
                                            std::sin(3.0 * static_cast<double>(n))};
         const ContourSet before = slice_of({{0, ring_of(10, 40, 0)}, {1, copy}});
         ContourSet after = before;
-        const ShareLinesStats stats = share_lines(after, {});
+        const MergeCoincidentStats stats = merge_coincident(after, {});
         EXPECT_EQ(stats.vertices_moved, 40u) << off;
         EXPECT_NEAR(stats.widest_mm, off, 1e-12);
         EXPECT_NEAR(common_length(after, 0, 1), perimeter(ring_of(10, 40, 0)), 1e-9);
@@ -162,10 +162,10 @@ TEST(ShareLines, vertices_of_different_structures_within_the_width_become_one) {
     }
 }
 
-TEST(ShareLines, a_contour_that_crosses_another_beside_a_vertex_goes_through_it) {
+TEST(MergeCoincident, a_contour_that_crosses_another_beside_a_vertex_goes_through_it) {
     ContourSet set =
         slice_of({{0, {{0, 0}, {10, 0}, {10, 10}, {0, 10}}}, {1, {{5, 0.01}, {9, -3}, {12, 4}}}});
-    const ShareLinesStats stats = share_lines(set, {});
+    const MergeCoincidentStats stats = merge_coincident(set, {});
     EXPECT_EQ(stats.vertices_taken, 1u);
     EXPECT_NEAR(stats.widest_mm, 0.01, 1e-12);
     EXPECT_NEAR(stats.area_mm2, 0.5 * 10 * 0.01, 1e-9);
@@ -173,14 +173,14 @@ TEST(ShareLines, a_contour_that_crosses_another_beside_a_vertex_goes_through_it)
 }
 
 // A third contour's vertex may lie within the width of one of two copies of a segment and not of the other.
-TEST(ShareLines, what_two_share_is_led_through_a_vertex_of_a_third_by_both_or_by_none) {
+TEST(MergeCoincident, what_two_share_is_led_through_a_vertex_of_a_third_by_both_or_by_none) {
     for (const double off : {0.003, 0.009, 0.018, 0.025, 0.032, 0.045}) {
         const double copy = 0.015;  // height of the second's line; the third's vertex lies so far below it
         ContourSet set = slice_of({{0, {{0, 0}, {10, 0}, {10, 10}, {0, 10}}},
                                    {1, {{0, copy}, {10, copy}, {10, 6}, {0, 6}}},
                                    {2, {{5, copy - off}, {8, -3}, {2, -3}}}},
                                   tilted);
-        share_lines(set, {.width_mm = 0.02, .share_of_segment = 0.05});
+        merge_coincident(set, {.width_mm = 0.02, .share_of_segment = 0.05});
         const Vec3 p = tilted.to_space({0, 0}), q = tilted.to_space({10, 0}),
                    v = tilted.to_space({5, copy - off});
         const bool both = off < 0.02;
@@ -225,7 +225,7 @@ int slices_with(const ContourSet& set, std::uint32_t structure, double x) {
     return count;
 }
 
-TEST(ShareLines, vertices_that_slices_have_in_common_are_shared_on_all_of_them_or_on_none) {
+TEST(MergeCoincident, vertices_that_slices_have_in_common_are_shared_on_all_of_them_or_on_none) {
     const Plane planes[] = {make_plane({}, {0, 0, 1}), make_plane({}, {0, 1, 0})};
     const Polygon left{{0, -5}, {10, -5}, {10, 0}, {10, 5}, {0, 5}};
     const auto right = [](double x, double corner) {  // a corner on the axis, or beside it
@@ -236,7 +236,7 @@ TEST(ShareLines, vertices_that_slices_have_in_common_are_shared_on_all_of_them_o
         ContourSet set = crossing({{0, on_plane(planes[0], left)}, {1, on_plane(planes[0], one)}},
                                   {{0, on_plane(planes[1], left)}, {1, on_plane(planes[1], other)}});
         const ContourSet before = set;
-        share_lines(set, {});
+        merge_coincident(set, {});
         EXPECT_EQ(slices_with(set, 0, 10), 2);  // it moves on no slice
         if (slices_with(set, 1, 10) == 0) {
             for (const std::size_t c : {1u, 3u}) {  // the second structure stays as drawn
@@ -256,17 +256,17 @@ TEST(ShareLines, vertices_that_slices_have_in_common_are_shared_on_all_of_them_o
     EXPECT_EQ(shared(straight, Polygon{{14, -4}, {20, -4}, {20, 4}}), 0);
 }
 
-TEST(ShareLines, contours_of_one_structure_never_come_to_touch) {
+TEST(MergeCoincident, contours_of_one_structure_never_come_to_touch) {
     // A slit of one structure, narrower than the width, with another structure's edge within it.
     const Polygon slit{{0, 0}, {10, 0}, {10, 5}, {2, 5}, {2, 5.012}, {10, 5.012}, {10, 10}, {0, 10}};
     const Polygon between{{5, 5.006}, {20, 4}, {20, 6}};
     ContourSet set = slice_of({{0, slit}, {1, between}});
-    share_lines(set, {});
+    merge_coincident(set, {});
     for (const std::size_t c : {0u, 1u}) EXPECT_TRUE(is_simple(flat(set, c)));
     EXPECT_GT(signed_area(flat(set, 0)), 99);
 }
 
-TEST(ShareLines, contours_that_cross_beside_each_other_in_space_meet) {
+TEST(MergeCoincident, contours_that_cross_beside_each_other_in_space_meet) {
     // Two that share an edge, and a third across it; their points on the plane, or off it by a hundredth.
     for (const double off : {0.0, 0.01}) {
         ContourSet set = slice_of({{0, {{-5, -5}, {0, -5}, {0, 5}, {-5, 5}}},
@@ -274,7 +274,7 @@ TEST(ShareLines, contours_that_cross_beside_each_other_in_space_meet) {
                                    {2, {{-2, -1}, {2, -1}, {2, 1}, {-2, 1}}}});
         for (Vec3& p : set.points) p.z += std::abs(p.x) == 2 ? off : 0;
         const ContourSet before = set;
-        const ShareLinesStats stats = share_lines(set, {});
+        const MergeCoincidentStats stats = merge_coincident(set, {});
         if (off == 0) {
             EXPECT_EQ(set.points, before.points);
             continue;
@@ -296,14 +296,14 @@ TEST(ShareLines, contours_that_cross_beside_each_other_in_space_meet) {
 }
 
 // Three that cross nearly in one point: one vertex for all, and no edge as short as they are apart.
-TEST(ShareLines, contours_that_cross_beside_one_point_share_a_vertex) {
+TEST(MergeCoincident, contours_that_cross_beside_one_point_share_a_vertex) {
     for (const double apart : {0.0, 1e-9, 1e-7, 1e-3}) {
         ContourSet set = slice_of({{0, {{-5, -5}, {0, -5}, {0, 5}, {-5, 5}}},
                                    {1, {{-4, -4}, {6 + apart, 6}, {-4, 6}}},
                                    {2, {{-3, 0}, {4, 0}, {4, 8}, {-3, 8}}}});
         // The second passes by the first's and the third's crossing at (0, 0).
         for (std::size_t n = 0; n < set.points.size(); ++n) set.points[n].z += 0.008 * (n % 3);
-        share_lines(set, {});
+        merge_coincident(set, {});
         for (std::size_t c = 0; c < 3; ++c) {
             const auto points = set.points_of(set.contours[c]);
             for (std::size_t n = 0; n < points.size(); ++n)
@@ -314,34 +314,34 @@ TEST(ShareLines, contours_that_cross_beside_one_point_share_a_vertex) {
 }
 
 // Not beside the end of a segment: a contour that ends there goes through it by itself.
-TEST(ShareLines, crossings_beside_a_vertex_get_none) {
+TEST(MergeCoincident, crossings_beside_a_vertex_get_none) {
     ContourSet set =
         slice_of({{0, {{-5, -5}, {0, -5}, {0, 5}, {-5, 5}}}, {1, {{-2, 4.9}, {2, 4.99}, {2, 7}, {-2, 7}}}});
     for (Vec3& p : set.points) p.z += std::abs(p.x) == 2 ? 0.01 : 0;
-    const ShareLinesStats stats = share_lines(set, {0.1, 0.5});
+    const MergeCoincidentStats stats = merge_coincident(set, {0.1, 0.5});
     EXPECT_EQ(stats.vertices_moved, 0u);
     for (std::size_t c = 0; c < 2; ++c) EXPECT_LE(set.points_of(set.contours[c]).size(), 5u);
 }
 
-TEST(ShareLines, small_drawings_are_not_copies_of_each_other) {
+TEST(MergeCoincident, small_drawings_are_not_copies_of_each_other) {
     // Rings a hundredth of a millimetre apart, of segments as short as that.
     const ContourSet before = slice_of({{0, ring_of(0.2, 40, 0)}, {1, ring_of(0.19, 40, 0)}});
     ContourSet after = before;
-    const ShareLinesStats stats = share_lines(after, {});
+    const MergeCoincidentStats stats = merge_coincident(after, {});
     EXPECT_LT(stats.width_mm, 0.002);
     EXPECT_EQ(after.points, before.points);
 }
 
-TEST(ShareLines, the_same_for_other_directions_of_the_plane_and_none_without_a_width) {
+TEST(MergeCoincident, the_same_for_other_directions_of_the_plane_and_none_without_a_width) {
     const std::vector<Drawing> drawings{
         {0, ring_of(10, 40, 0)}, {1, ring_of(10, 33, 0.1)}, {2, ring_of(10, 40, 1e-4)}};
     ContourSet up = slice_of(drawings), none = up;
-    EXPECT_EQ(share_lines(none, {0, 0.05}).contours_changed, 0u);
+    EXPECT_EQ(merge_coincident(none, {0, 0.05}).contours_changed, 0u);
     EXPECT_EQ(none.points, slice_of(drawings).points);
     ContourSet down = up;
     down.slices[0].plane = make_plane({}, {0, 0, -1});
-    share_lines(up, {});
-    share_lines(down, {});
+    merge_coincident(up, {});
+    merge_coincident(down, {});
     EXPECT_EQ(up.points, down.points);
     EXPECT_GT(common_length(up, 0, 2), 62);
 }

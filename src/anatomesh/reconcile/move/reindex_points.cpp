@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/move/lay_out_points.h"
+#include "anatomesh/reconcile/move/reindex_points.h"
 
 #include <algorithm>
 #include <cassert>
@@ -7,7 +7,7 @@
 
 namespace anatomesh {
 
-void lay_out_points(ContourSet& set, std::span<const std::vector<Vec3>> of_contours) {
+void reindex_points(ContourSet& set, std::span<const std::vector<Vec3>> of_contours) {
     assert(of_contours.size() == set.contours.size());
     std::vector<Vec3> points;
     for (std::size_t c = 0; c < of_contours.size(); ++c) {

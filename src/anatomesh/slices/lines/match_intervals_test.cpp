@@ -1,4 +1,4 @@
-#include "anatomesh/slices/lines/match_ends.h"
+#include "anatomesh/slices/lines/match_intervals.h"
 
 #include <gtest/gtest.h>
 
@@ -31,9 +31,9 @@ TEST(MatchEnds, no_matching_that_keeps_the_order_is_cheaper) {
     std::mt19937 random(5);
     for (int n = 0; n < 300; ++n) {
         const std::vector<double> a = random_ends(random, 4), b = random_ends(random, 4);
-        const EndMatching matching = match_ends(a, b);
+        const IntervalMatching matching = match_intervals(a, b);
         EXPECT_NEAR(matching.cost, cheapest(a, b, 0, 0), 1e-9);
-        EXPECT_NEAR(matching.cost, match_ends(b, a).cost, 1e-9);
+        EXPECT_NEAR(matching.cost, match_intervals(b, a).cost, 1e-9);
     }
 }
 
@@ -41,7 +41,7 @@ TEST(MatchEnds, joins_ends_of_one_kind_and_uses_every_end_once) {
     std::mt19937 random(6);
     for (int n = 0; n < 300; ++n) {
         const std::vector<double> a = random_ends(random, 6), b = random_ends(random, 6);
-        const EndMatching matching = match_ends(a, b);
+        const IntervalMatching matching = match_intervals(a, b);
         std::vector<int> used_a(a.size(), 0), used_b(b.size(), 0);
         double cost = 0;
         for (const auto& [i, j] : matching.matched) {
@@ -65,11 +65,12 @@ TEST(MatchEnds, joins_ends_of_one_kind_and_uses_every_end_once) {
 }
 
 TEST(MatchEnds, C25_the_nearer_reading_wins) {
-    const EndMatching moved = match_ends(std::vector<double>{0, 10}, std::vector<double>{4, 14});
+    const IntervalMatching moved = match_intervals(std::vector<double>{0, 10}, std::vector<double>{4, 14});
     EXPECT_EQ(moved.matched.size(), 2u);
-    const EndMatching apart = match_ends(std::vector<double>{0, 10}, std::vector<double>{20, 30});
+    const IntervalMatching apart = match_intervals(std::vector<double>{0, 10}, std::vector<double>{20, 30});
     EXPECT_TRUE(apart.matched.empty());
-    const EndMatching gap = match_ends(std::vector<double>{0, 10, 12, 20}, std::vector<double>{0, 20});
+    const IntervalMatching gap =
+        match_intervals(std::vector<double>{0, 10, 12, 20}, std::vector<double>{0, 20});
     EXPECT_EQ(gap.matched.size(), 2u);
     EXPECT_EQ(gap.only_first, std::vector<std::uint32_t>{1});
     EXPECT_NEAR(symmetric_difference(std::vector<double>{0, 10, 12, 20}, std::vector<double>{0, 20}), 2,

@@ -10,7 +10,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/slices/lines/match_ends.h"
+#include "anatomesh/slices/lines/match_intervals.h"
 
 namespace anatomesh {
 
@@ -27,7 +27,7 @@ struct Line {
 Line common_line(const Plane& a, const Plane& b, Vec3 near);
 
 // A place where a contour passes from one side of another plane to the other.
-struct LineEnd {
+struct IntervalEndpoint {
     std::uint32_t contour = 0;
     std::uint32_t from = 0, to = 0;  // the segment's points, indices into the set's; equal: at that point
     Vec3 at;                         // the place: the same bits for a segment that two contours share
@@ -38,8 +38,8 @@ struct LineEnd {
 struct LineComparison {
     std::uint32_t a = 0, b = 0, structure = 0;
     Line line;
-    std::vector<LineEnd> ends_a, ends_b;             // ascending in t
-    EndMatching matching;                            // first: a, second: b
+    std::vector<IntervalEndpoint> endpoints_a, endpoints_b;  // ascending in t
+    IntervalMatching matching;                               // first: a, second: b
     std::array<double, 2> seen_by_a{}, seen_by_b{};  // the part of the line that each says something of, in t
     double difference_mm = 0;  // symmetric difference of the two regions' parts on the line
 };

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/move/drawn_places.h"
+#include "anatomesh/reconcile/move/original_positions.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "anatomesh/contour/overlay/slice_soundness.h"
-#include "anatomesh/reconcile/move/split_at_ends.h"
+#include "anatomesh/reconcile/move/split_at_endpoints.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 
@@ -25,15 +25,15 @@ ContourSet polygon(const std::vector<Vec3>& points) {
     return set;
 }
 
-TEST(DrawnPlaces, points_that_stay_keep_theirs_to_the_bit_and_others_lie_between) {
+TEST(OriginalPositions, points_that_stay_keep_theirs_to_the_bit_and_others_lie_between) {
     const ContourSet before = polygon({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}});
-    DrawnPlaces drawn = drawn_places(before);
+    OriginalPositions drawn = original_positions(before);
     drawn.at[0] = {0.1, -1, 0};
     drawn.at[1] = {4, -0.3, 0};
     drawn.is_drawn[3] = false;
     // One put in, one moved, one taken out.
     const ContourSet after = polygon({{0, 0, 0}, {1, 0, 0}, {4, 0, 0}, {3.9, 4, 0}});
-    const DrawnPlaces carried = carry_over(before, drawn, after, 0.05);
+    const OriginalPositions carried = carry_over(before, drawn, after, 0.05);
     EXPECT_EQ(carried.at[0], drawn.at[0]);
     EXPECT_EQ(carried.at[2], drawn.at[1]);
     EXPECT_EQ(carried.is_drawn, (std::vector<bool>{true, false, true, false}));
@@ -43,27 +43,27 @@ TEST(DrawnPlaces, points_that_stay_keep_theirs_to_the_bit_and_others_lie_between
     EXPECT_LT(carried.at[3].y, 3.7);
 }
 
-TEST(DrawnPlaces, of_a_contour_without_a_known_point_lie_where_it_is) {
+TEST(OriginalPositions, of_a_contour_without_a_known_point_lie_where_it_is) {
     const ContourSet before = polygon({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}}),
                      after = polygon({{1, 0, 0}, {5, 0, 0}, {5, 4, 0}});
-    const DrawnPlaces carried = carry_over(before, drawn_places(before), after, 0.05);
+    const OriginalPositions carried = carry_over(before, original_positions(before), after, 0.05);
     EXPECT_EQ(carried.at, after.points);
     EXPECT_EQ(carried.is_drawn, (std::vector<bool>{false, false, false}));
 }
 
 // A vertex that became a common point is still the one that was drawn; what came beside it is not.
-TEST(DrawnPlaces, a_point_that_came_in_the_place_of_one_keeps_its) {
+TEST(OriginalPositions, a_point_that_came_in_the_place_of_one_keeps_its) {
     const std::vector<Vec3> square{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
     for (std::size_t moved = 0; moved < 4; ++moved) {
         for (const bool is_near : {true, false}) {
             const ContourSet before = polygon(square);
-            DrawnPlaces drawn = drawn_places(before);
+            OriginalPositions drawn = original_positions(before);
             for (std::size_t k = 0; k < 4; ++k) drawn.at[k] += Vec3{0.1 * static_cast<double>(k), 7, 0};
             std::vector<Vec3> points = square;
             points[moved] += Vec3{is_near ? 0.03 : 0.3, 0, 0};
             const Vec3 beside = 0.5 * (points[moved] + points[(moved + 1) % 4]);
             points.insert(points.begin() + static_cast<std::ptrdiff_t>(moved) + 1, beside);
-            const DrawnPlaces carried = carry_over(before, drawn, polygon(points), 0.05);
+            const OriginalPositions carried = carry_over(before, drawn, polygon(points), 0.05);
             for (std::size_t k = 0; k < 4; ++k) {
                 const std::size_t at = k <= moved ? k : k + 1;
                 EXPECT_EQ(carried.is_drawn[at], k != moved || is_near);
@@ -76,12 +76,12 @@ TEST(DrawnPlaces, a_point_that_came_in_the_place_of_one_keeps_its) {
     }
 }
 
-TEST(DrawnPlaces, one_known_point_is_enough) {
+TEST(OriginalPositions, one_known_point_is_enough) {
     const ContourSet before = polygon({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}}),
                      after = polygon({{0, 0, 0}, {5, 0, 0}, {4.02, 4, 0}});
-    DrawnPlaces drawn = drawn_places(before);
+    OriginalPositions drawn = original_positions(before);
     drawn.at[0] = {0, 1, 0};
-    const DrawnPlaces carried = carry_over(before, drawn, after, 0.05);
+    const OriginalPositions carried = carry_over(before, drawn, after, 0.05);
     EXPECT_EQ(carried.is_drawn, (std::vector<bool>{true, false, true}));
     EXPECT_EQ(carried.at[2], before.points[2]);
 }
@@ -98,13 +98,13 @@ TEST(SplitAtEnds, gives_contours_a_vertex_where_slices_differ) {
             return compare_planes(set, patches, crossing_pairs(patches, 3), 3, context);
         };
         const double least = 0.03;
-        const std::size_t added = split_at_ends(set, compare(), least);
+        const std::size_t added = split_at_endpoints(set, compare(), least);
         EXPECT_GT(added, 500u);
         EXPECT_EQ(set.points.size(), before.points.size() + added);
         std::size_t inside = 0;
         for (const LineComparison& comparison : compare()) {
-            for (const auto* ends : {&comparison.ends_a, &comparison.ends_b}) {
-                for (const LineEnd& end : *ends) {
+            for (const auto* ends : {&comparison.endpoints_a, &comparison.endpoints_b}) {
+                for (const IntervalEndpoint& end : *ends) {
                     const double nearest =
                         std::min(length(end.at - set.points[end.from]), length(end.at - set.points[end.to]));
                     inside += nearest > least && comparison.difference_mm > 0;
@@ -131,7 +131,7 @@ TEST(SplitAtEnds, leaves_slices_that_agree_alone) {
         comparisons = compare_planes(set, patches, crossing_pairs(patches, 3), 3, context);
     }
     for (LineComparison& comparison : comparisons) comparison.difference_mm = 0;
-    EXPECT_EQ(split_at_ends(set, comparisons, 0.03), 0u);
+    EXPECT_EQ(split_at_endpoints(set, comparisons, 0.03), 0u);
 }
 
 }  // namespace

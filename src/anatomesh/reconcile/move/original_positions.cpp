@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/move/drawn_places.h"
+#include "anatomesh/reconcile/move/original_positions.h"
 
 #include <algorithm>
 #include <cassert>
@@ -80,17 +80,17 @@ void find_moved(const ContourSet& before, const Contour& old, const ContourSet& 
 
 }  // namespace
 
-DrawnPlaces drawn_places(const ContourSet& set) {
+OriginalPositions original_positions(const ContourSet& set) {
     return {set.points, std::vector<bool>(set.points.size(), true)};
 }
 
-DrawnPlaces carry_over(const ContourSet& before, const DrawnPlaces& drawn, const ContourSet& after,
-                       double reach_mm) {
+OriginalPositions carry_over(const ContourSet& before, const OriginalPositions& drawn,
+                             const ContourSet& after, double reach_mm) {
     assert(before.contours.size() == after.contours.size() && drawn.at.size() == before.points.size());
     std::vector<std::uint32_t> old_of(after.points.size(), no_node);
     std::vector<bool> is_known(after.points.size(), false);
     std::vector<Vec3> displacement(after.points.size());
-    DrawnPlaces result{after.points, std::vector<bool>(after.points.size(), false)};
+    OriginalPositions result{after.points, std::vector<bool>(after.points.size(), false)};
     for (std::size_t c = 0; c < after.contours.size(); ++c) {
         const Contour& contour = after.contours[c];
         const std::vector<std::uint32_t> old = by_place(before, before.contours[c]);

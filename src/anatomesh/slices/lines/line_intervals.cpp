@@ -1,4 +1,4 @@
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 #include <algorithm>
 #include <array>
@@ -57,12 +57,12 @@ class Comparer {
         const Line line = common_line(patches_[a].plane, patches_[b].plane, middle);
         // Readings of points on the line: as of its one side, and of its other.
         bool unsure_a = false, unsure_b = false;
-        const std::array<std::vector<LineEnd>, 2> ends_a = readings(a, b, line, unsure_a),
-                                                  ends_b = readings(b, a, line, unsure_b);
+        const std::array<std::vector<IntervalEndpoint>, 2> endpoints_a = readings(a, b, line, unsure_a),
+                                                           endpoints_b = readings(b, a, line, unsure_b);
         std::vector<std::uint32_t> structures;
-        for (const auto* readings : {&ends_a, &ends_b}) {
+        for (const auto* readings : {&endpoints_a, &endpoints_b}) {
             for (const auto& reading : *readings) {
-                for (const LineEnd& end : reading) structures.push_back(structure_of(end));
+                for (const IntervalEndpoint& end : reading) structures.push_back(structure_of(end));
             }
         }
         std::sort(structures.begin(), structures.end());
@@ -78,8 +78,8 @@ class Comparer {
                                          b,
                                          structure,
                                          line,
-                                         part(ends_a[i], structure, b),
-                                         part(ends_b[j], structure, a),
+                                         part(endpoints_a[i], structure, b),
+                                         part(endpoints_b[j], structure, a),
                                          {},
                                          seen_a,
                                          seen_b,
@@ -89,20 +89,22 @@ class Comparer {
                     any = true;
                 }
             }
-            if (!best.ends_a.empty() || !best.ends_b.empty()) result.push_back(std::move(best));
+            if (!best.endpoints_a.empty() || !best.endpoints_b.empty()) result.push_back(std::move(best));
         }
         return result;
     }
 
   private:
-    std::uint32_t structure_of(const LineEnd& end) const { return set_.contours[end.contour].structure; }
+    std::uint32_t structure_of(const IntervalEndpoint& end) const {
+        return set_.contours[end.contour].structure;
+    }
 
     // The ends of slice `own` on the plane of `other`, by structure, then along the line. The second reading
     // is made only when a contour touches the plane without passing to its other side there.
-    std::array<std::vector<LineEnd>, 2> readings(std::uint32_t own, std::uint32_t other, const Line& line,
-                                                 bool& unsure) const {
+    std::array<std::vector<IntervalEndpoint>, 2> readings(std::uint32_t own, std::uint32_t other,
+                                                          const Line& line, bool& unsure) const {
         const Plane& plane = patches_[other].plane;
-        std::array<std::vector<LineEnd>, 2> ends;
+        std::array<std::vector<IntervalEndpoint>, 2> ends;
         std::vector<const Block*> near;
         for (const Block& block : blocks_[own]) {
             if (std::abs(plane.signed_distance(block.center)) <= block.radius) near.push_back(&block);
@@ -112,12 +114,13 @@ class Comparer {
             for (const Block* block : near) find(*block, plane, line, -1, ends[1], unsure);
         }
         for (auto& reading : ends) {
-            std::sort(reading.begin(), reading.end(), [&](const LineEnd& p, const LineEnd& q) {
-                const std::uint32_t sp = structure_of(p), sq = structure_of(q);
-                if (sp != sq) return sp < sq;
-                if (p.t != q.t) return p.t < q.t;
-                return p.from != q.from ? p.from < q.from : p.to < q.to;
-            });
+            std::sort(reading.begin(), reading.end(),
+                      [&](const IntervalEndpoint& p, const IntervalEndpoint& q) {
+                          const std::uint32_t sp = structure_of(p), sq = structure_of(q);
+                          if (sp != sq) return sp < sq;
+                          if (p.t != q.t) return p.t < q.t;
+                          return p.from != q.from ? p.from < q.from : p.to < q.to;
+                      });
         }
         return ends;
     }
@@ -127,7 +130,7 @@ class Comparer {
     }
 
     void find(const Block& block, const Plane& plane, const Line& line, int of_zero,
-              std::vector<LineEnd>& ends, bool& unsure) const {
+              std::vector<IntervalEndpoint>& ends, bool& unsure) const {
         const Contour& contour = set_.contours[block.contour];
         double here = plane.signed_distance(set_.points[block.first]);
         for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
@@ -143,9 +146,9 @@ class Comparer {
         }
     }
 
-    LineEnd end_on(std::uint32_t contour, std::uint32_t k, std::uint32_t next, double here, double there,
-                   const Line& line) const {
-        LineEnd end{contour, k, next, {}, 0};
+    IntervalEndpoint end_on(std::uint32_t contour, std::uint32_t k, std::uint32_t next, double here,
+                            double there, const Line& line) const {
+        IntervalEndpoint end{contour, k, next, {}, 0};
         if (std::abs(here) <= line_in_plane_mm) {
             end.to = k;
             end.at = set_.points[k];
@@ -164,10 +167,10 @@ class Comparer {
 
     // The ends of one structure without intervals and gaps that are rounding, or lie where the other slice
     // says nothing.
-    std::vector<LineEnd> part(const std::vector<LineEnd>& all, std::uint32_t structure,
-                              std::uint32_t other) const {
-        std::vector<LineEnd> ends;
-        for (const LineEnd& end : all) {
+    std::vector<IntervalEndpoint> part(const std::vector<IntervalEndpoint>& all, std::uint32_t structure,
+                                       std::uint32_t other) const {
+        std::vector<IntervalEndpoint> ends;
+        for (const IntervalEndpoint& end : all) {
             if (structure_of(end) != structure) continue;
             if (!ends.empty() && end.t - ends.back().t <= 2 * line_in_plane_mm) {
                 ends.pop_back();
@@ -176,10 +179,10 @@ class Comparer {
             }
         }
         const Box2 seen = patches_[other].box.grown(margin_);
-        const auto is_seen = [&](const LineEnd& end) {
+        const auto is_seen = [&](const IntervalEndpoint& end) {
             return seen.contains(patches_[other].plane.to_plane(end.at));
         };
-        std::vector<LineEnd> kept;
+        std::vector<IntervalEndpoint> kept;
         for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
             if (!is_seen(ends[i]) && !is_seen(ends[i + 1]) && !spans(ends[i], ends[i + 1], seen, other))
                 continue;
@@ -190,7 +193,8 @@ class Comparer {
     }
 
     // Whether the segment between two places meets the box that a slice sees.
-    bool spans(const LineEnd& p, const LineEnd& q, const Box2& seen, std::uint32_t other) const {
+    bool spans(const IntervalEndpoint& p, const IntervalEndpoint& q, const Box2& seen,
+               std::uint32_t other) const {
         const auto [enter, leave] =
             clip(patches_[other].plane.to_plane(p.at), patches_[other].plane.to_plane(q.at), seen, 0, 1);
         return enter <= leave;
@@ -223,9 +227,9 @@ class Comparer {
 
     static void match(LineComparison& comparison) {
         std::vector<double> a, b;
-        for (const LineEnd& end : comparison.ends_a) a.push_back(end.t);
-        for (const LineEnd& end : comparison.ends_b) b.push_back(end.t);
-        comparison.matching = match_ends(a, b);
+        for (const IntervalEndpoint& end : comparison.endpoints_a) a.push_back(end.t);
+        for (const IntervalEndpoint& end : comparison.endpoints_b) b.push_back(end.t);
+        comparison.matching = match_intervals(a, b);
         comparison.difference_mm = symmetric_difference(a, b);
     }
 

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/move/split_at_ends.h"
+#include "anatomesh/reconcile/move/split_at_endpoints.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
-#include "anatomesh/reconcile/move/lay_out_points.h"
+#include "anatomesh/reconcile/move/reindex_points.h"
 
 namespace anatomesh {
 
@@ -22,9 +22,9 @@ struct Split {
 };
 
 std::vector<Split> find_splits(const ContourSet& set, const ContourGraph& graph,
-                               std::span<const LineEnd> places) {
+                               std::span<const IntervalEndpoint> places) {
     std::vector<Split> splits;
-    for (const LineEnd& place : places) {
+    for (const IntervalEndpoint& place : places) {
         if (place.from == place.to) continue;
         const std::uint32_t segment = graph.segment_of_point[place.from];
         const Vec3 low = set.points[graph.point_of_node[graph.segments[segment][0]]];
@@ -71,17 +71,17 @@ std::vector<Vec3> with_splits(const ContourSet& set, const ContourGraph& graph, 
 
 }  // namespace
 
-std::size_t split_at_ends(ContourSet& set, std::span<const LineComparison> comparisons) {
-    std::vector<LineEnd> places;
+std::size_t split_at_endpoints(ContourSet& set, std::span<const LineComparison> comparisons) {
+    std::vector<IntervalEndpoint> places;
     for (const LineComparison& comparison : comparisons) {
         if (comparison.difference_mm == 0) continue;
-        for (const auto* ends : {&comparison.ends_a, &comparison.ends_b})
+        for (const auto* ends : {&comparison.endpoints_a, &comparison.endpoints_b})
             places.insert(places.end(), ends->begin(), ends->end());
     }
     return split_at_places(set, places);
 }
 
-std::size_t split_at_places(ContourSet& set, std::span<const LineEnd> places) {
+std::size_t split_at_places(ContourSet& set, std::span<const IntervalEndpoint> places) {
     const ContourGraph graph = make_contour_graph(set);
     const std::vector<Split> splits = spaced(set, graph, find_splits(set, graph, places));
     std::vector<std::vector<Vec3>> fresh(set.contours.size());
@@ -101,7 +101,7 @@ std::size_t split_at_places(ContourSet& set, std::span<const LineEnd> places) {
         }
     }
     const std::size_t before = set.points.size();
-    lay_out_points(set, fresh);
+    reindex_points(set, fresh);
     return set.points.size() - before;
 }
 

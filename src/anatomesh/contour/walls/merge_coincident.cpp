@@ -1,4 +1,4 @@
-#include "anatomesh/contour/walls/share_lines.h"
+#include "anatomesh/contour/walls/merge_coincident.h"
 
 #include <algorithm>
 #include <cassert>
@@ -394,10 +394,10 @@ double median_segment(const ContourSet& set) {
 
 }  // namespace
 
-ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options) {
+MergeCoincidentStats merge_coincident(ContourSet& set, const MergeCoincidentOptions& options) {
     assert(options.width_mm >= 0 && options.width_mm <= 0.1);
     assert(options.share_of_segment >= 0 && options.share_of_segment <= 0.5);
-    ShareLinesStats stats;
+    MergeCoincidentStats stats;
     if (options.width_mm == 0 || set.structures.size() < 2) return stats;
     stats.width_mm = std::min(options.width_mm, options.share_of_segment * median_segment(set));
     if (!(stats.width_mm > 0)) return stats;

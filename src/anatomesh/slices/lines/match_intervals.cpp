@@ -1,4 +1,4 @@
-#include "anatomesh/slices/lines/match_ends.h"
+#include "anatomesh/slices/lines/match_intervals.h"
 
 #include <algorithm>
 #include <cassert>
@@ -7,7 +7,7 @@
 
 namespace anatomesh {
 
-EndMatching match_ends(std::span<const double> first, std::span<const double> second) {
+IntervalMatching match_intervals(std::span<const double> first, std::span<const double> second) {
     assert(first.size() % 2 == 0 && second.size() % 2 == 0);
     const std::size_t n = first.size(), m = second.size(), row = m + 1;
     enum class Step : std::uint8_t { none, match, drop_first, drop_second };
@@ -28,7 +28,7 @@ EndMatching match_ends(std::span<const double> first, std::span<const double> se
             if (j > 1) take(at, best[at - 2] + second[j - 1] - second[j - 2], Step::drop_second);
         }
     }
-    EndMatching result;
+    IntervalMatching result;
     result.cost = best.back();
     for (std::size_t i = n, j = m; i + j > 0;) {
         switch (step[i * row + j]) {

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/resolve/facing_stretch.h"
+#include "anatomesh/reconcile/resolve/nearest_arc.h"
 
 #include <algorithm>
 #include <cassert>
@@ -46,15 +46,15 @@ class FromLine {
 };
 
 // A segment of a contour that lies beside a part of the interval, on one side of the line.
-struct Nearest {
+struct NearestSegment {
     const Contour* contour = nullptr;
     std::uint32_t from = 0, to = 0;
     double height_mm = std::numeric_limits<double>::infinity();
 };
 
-Nearest nearest_segment(const ContourSet& set, const Slice& slice, std::uint32_t structure,
-                        const FromLine& seen, double low, double high) {
-    Nearest nearest;
+NearestSegment nearest_segment(const ContourSet& set, const Slice& slice, std::uint32_t structure,
+                               const FromLine& seen, double low, double high) {
+    NearestSegment nearest;
     for (const Contour& contour : set.contours_of(slice)) {
         if (contour.structure != structure) continue;
         for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
@@ -75,12 +75,12 @@ Nearest nearest_segment(const ContourSet& set, const Slice& slice, std::uint32_t
 
 }  // namespace
 
-FacingStretch facing_stretch(const ContourSet& set, std::uint32_t own, std::uint32_t structure,
-                             const Line& line, const Plane& other, double low, double high) {
+NearestArc nearest_arc(const ContourSet& set, std::uint32_t own, std::uint32_t structure, const Line& line,
+                       const Plane& other, double low, double high) {
     assert(low < high);
     const Slice& slice = set.slices[own];
     const FromLine seen(set, slice, line, other);
-    const Nearest nearest = nearest_segment(set, slice, structure, seen, low, high);
+    const NearestSegment nearest = nearest_segment(set, slice, structure, seen, low, high);
     if (nearest.contour == nullptr) return {};
     const Contour& contour = *nearest.contour;
     const double way = seen.along(nearest.to) > seen.along(nearest.from) ? 1 : -1;
@@ -92,7 +92,7 @@ FacingStretch facing_stretch(const ContourSet& set, std::uint32_t own, std::uint
     const auto is_beside = [&](std::uint32_t point) {
         return seen.along(point) > low && seen.along(point) < high;
     };
-    // Back to where the stretch begins, and on to where it ends.
+    // Back to where the arc begins, and on to where it ends.
     std::uint32_t first = nearest.from, last = nearest.to;
     for (std::uint32_t n = 0; n < contour.point_count && is_beside(first); ++n) {
         const std::uint32_t before = point_before(contour, first);
@@ -104,13 +104,13 @@ FacingStretch facing_stretch(const ContourSet& set, std::uint32_t own, std::uint
         if (!runs_on(last, next)) break;
         last = next;
     }
-    FacingStretch stretch;
-    stretch.back = seen.away_from(side);
+    NearestArc arc;
+    arc.back = seen.away_from(side);
     for (std::uint32_t k = first;; k = point_after(contour, k)) {
         if (is_beside(k)) {
-            stretch.points.push_back(k);
-            stretch.heights_mm.push_back(std::abs(seen.height(k)));
-            stretch.height_mm = std::max(stretch.height_mm, stretch.heights_mm.back());
+            arc.points.push_back(k);
+            arc.heights_mm.push_back(std::abs(seen.height(k)));
+            arc.height_mm = std::max(arc.height_mm, arc.heights_mm.back());
         }
         if (k == last) break;
         const std::uint32_t next = point_after(contour, k);
@@ -118,12 +118,12 @@ FacingStretch facing_stretch(const ContourSet& set, std::uint32_t own, std::uint
             const double share = seen.share_at(t, k, next);
             if (!(share > 0 && share < 1)) continue;
             const Vec3 at = set.points[k] + share * (set.points[next] - set.points[k]);
-            stretch.places.push_back(
+            arc.places.push_back(
                 {static_cast<std::uint32_t>(&contour - set.contours.data()), k, next, at, t});
-            stretch.height_mm = std::max(stretch.height_mm, std::abs(seen.height_at(share, k, next)));
+            arc.height_mm = std::max(arc.height_mm, std::abs(seen.height_at(share, k, next)));
         }
     }
-    return stretch;
+    return arc;
 }
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/move/end_groups.h"
+#include "anatomesh/reconcile/move/endpoint_groups.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ constexpr double normal_chord_mm = 1;  // contours' normals are taken over chord
 struct Membership {
     std::uint32_t root = 0, place = 0;
     const Line* line = nullptr;
-    const LineEnd* end = nullptr;
+    const IntervalEndpoint* end = nullptr;
 };
 
 std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
@@ -29,7 +29,7 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
 }
 
 // Every matched end with its line, by group, in order of places.
-std::vector<Membership> memberships(const EndPlaces& ends, std::span<const LineComparison> comparisons) {
+std::vector<Membership> memberships(const EndpointPlaces& ends, std::span<const LineComparison> comparisons) {
     std::vector<std::uint32_t> parent(ends.places.size());
     std::iota(parent.begin(), parent.end(), 0u);
     std::vector<Membership> members;
@@ -37,8 +37,8 @@ std::vector<Membership> memberships(const EndPlaces& ends, std::span<const LineC
         const LineComparison& comparison = comparisons[c];
         for (const auto& [i, j] : comparison.matching.matched) {
             const std::uint32_t p = ends.of_a[c][i], q = ends.of_b[c][j];
-            members.push_back({0, p, &comparison.line, &comparison.ends_a[i]});
-            members.push_back({0, q, &comparison.line, &comparison.ends_b[j]});
+            members.push_back({0, p, &comparison.line, &comparison.endpoints_a[i]});
+            members.push_back({0, q, &comparison.line, &comparison.endpoints_b[j]});
             const std::uint32_t root_p = find_root(parent, p), root_q = find_root(parent, q);
             parent[std::max(root_p, root_q)] = std::min(root_p, root_q);
         }
@@ -56,16 +56,16 @@ bool same_line(const Line& p, const Line& q) {
     return length(offset - dot(offset, p.direction) * p.direction) <= same_point_mm;
 }
 
-class Grouper {
+class EndpointGrouping {
   public:
-    Grouper(const ContourSet& set, const EndPlaces& ends, EndGroups& groups)
+    EndpointGrouping(const ContourSet& set, const EndpointPlaces& ends, EndpointGroups& groups)
         : set_(set), ends_(ends), groups_(groups) {}
 
     void add(std::span<const Membership> members) {
         const auto group = static_cast<std::uint32_t>(groups_.position.size());
         const Line& line = *members.front().line;
         for (const Membership& member : members) {
-            EndGroups::Member& place = groups_.members[member.place];
+            EndpointGroups::Member& place = groups_.members[member.place];
             if (place.group != no_node) continue;
             place.group = group;
             const Plane& plane = set_.slices[set_.contours[member.end->contour].slice].plane;
@@ -107,7 +107,7 @@ class Grouper {
     Vec3 mean_on(const Line& line, std::span<const Membership> members) const {
         double sum = 0, weights = 0;
         for (const Membership& member : members) {
-            const EndGroups::Member& place = groups_.members[member.place];
+            const EndpointGroups::Member& place = groups_.members[member.place];
             const double weight = place.weight();
             sum += weight * place.place;
             weights += weight;
@@ -134,7 +134,7 @@ class Grouper {
 
     void pin(std::span<const Membership> members, Vec3 target) {
         for (const Membership& member : members) {
-            EndGroups::Member& place = groups_.members[member.place];
+            EndpointGroups::Member& place = groups_.members[member.place];
             const Plane& plane = set_.slices[set_.contours[member.end->contour].slice].plane;
             const Vec3 move = target - ends_.places[member.place].at;
             place.pinned = true;
@@ -145,13 +145,13 @@ class Grouper {
     }
 
     const ContourSet& set_;
-    const EndPlaces& ends_;
-    EndGroups& groups_;
+    const EndpointPlaces& ends_;
+    EndpointGroups& groups_;
 };
 
 }  // namespace
 
-double EndGroups::Member::weight() const {
+double EndpointGroups::Member::weight() const {
     return sine * sine + least_weight;
 }
 
@@ -181,15 +181,15 @@ bool meeting_point(std::span<const Line> lines, Vec3 near, Vec3& point) {
     return true;
 }
 
-EndGroups group_ends(const ContourSet& set, const EndPlaces& ends,
-                     std::span<const LineComparison> comparisons) {
-    EndGroups groups;
+EndpointGroups group_endpoints(const ContourSet& set, const EndpointPlaces& ends,
+                               std::span<const LineComparison> comparisons) {
+    EndpointGroups groups;
     groups.members.resize(ends.places.size());
     const std::vector<Membership> members = memberships(ends, comparisons);
-    Grouper grouper(set, ends, groups);
+    EndpointGrouping grouping(set, ends, groups);
     for (std::size_t begin = 0, end = 0; begin < members.size(); begin = end) {
         while (end < members.size() && members[end].root == members[begin].root) ++end;
-        grouper.add({members.data() + begin, end - begin});
+        grouping.add({members.data() + begin, end - begin});
     }
     return groups;
 }

@@ -1,4 +1,5 @@
-// share_lines: contours of different structures that were drawn on the same line get the same vertices there.
+// merge_coincident: contours of different structures that were drawn on the same line get the same vertices
+// there.
 #pragma once
 
 #include "anatomesh/contour/model/contour_set.h"
@@ -6,7 +7,7 @@
 
 namespace anatomesh {
 
-struct ShareLinesOptions {
+struct MergeCoincidentOptions {
     // What lies nearer to another structure's contour than this lies on it. An outline that was copied into
     // another structure comes back beside itself by what a text of two decimals rounds away (up to 0.014 mm),
     // others cross or end that near by chance; cells there would be as thin, and nobody draws that finely: a
@@ -17,7 +18,7 @@ struct ShareLinesOptions {
     double share_of_segment = 0.05;
 };
 
-struct ShareLinesStats : ConflationStats {
+struct MergeCoincidentStats : ConflationStats {
     double width_mm = 0;  // that was used
 };
 
@@ -37,6 +38,6 @@ struct ShareLinesStats : ConflationStats {
 // pairs nearer than the width) a slice, times the rounds of taking back what does not serve (one as a rule),
 // times those of what slices with common vertices differ in (few; at most 17, then such vertices stay as they
 // are).
-ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options);
+MergeCoincidentStats merge_coincident(ContourSet& set, const MergeCoincidentOptions& options);
 
 }  // namespace anatomesh

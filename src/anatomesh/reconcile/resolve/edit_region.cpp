@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/resolve/repaint.h"
+#include "anatomesh/reconcile/resolve/edit_region.h"
 
 #include <algorithm>
 #include <array>
@@ -34,27 +34,28 @@ bool key_less(const SegmentKey& p, const SegmentKey& q) {
 }
 
 // A place to be put into a segment.
-struct PutIn {
+struct CutPoint {
     SegmentKey segment;
     Vec3 at;
 };
 
 // By segment, and along it.
-std::vector<PutIn> in_order(std::vector<PutIn> all) {
-    std::sort(all.begin(), all.end(), [](const PutIn& p, const PutIn& q) {
+std::vector<CutPoint> in_order(std::vector<CutPoint> all) {
+    std::sort(all.begin(), all.end(), [](const CutPoint& p, const CutPoint& q) {
         if (p.segment != q.segment) return key_less(p.segment, q.segment);
         return squared_length(p.at - p.segment[0]) < squared_length(q.at - q.segment[0]);
     });
-    all.erase(
-        std::unique(all.begin(), all.end(),
-                    [](const PutIn& p, const PutIn& q) { return p.segment == q.segment && p.at == q.at; }),
-        all.end());
+    all.erase(std::unique(all.begin(), all.end(),
+                          [](const CutPoint& p, const CutPoint& q) {
+                              return p.segment == q.segment && p.at == q.at;
+                          }),
+              all.end());
     return all;
 }
 
-std::vector<PutIn> to_put_in(const ContourSet& set, std::span<const LineEnd> places) {
-    std::vector<PutIn> all;
-    for (const LineEnd& place : places) {
+std::vector<CutPoint> to_put_in(const ContourSet& set, std::span<const IntervalEndpoint> places) {
+    std::vector<CutPoint> all;
+    for (const IntervalEndpoint& place : places) {
         if (place.from == place.to) continue;
         const SegmentKey segment = key_of(set.points[place.from], set.points[place.to]);
         if (place.at != segment[0] && place.at != segment[1]) all.push_back({segment, place.at});
@@ -62,14 +63,15 @@ std::vector<PutIn> to_put_in(const ContourSet& set, std::span<const LineEnd> pla
     return in_order(std::move(all));
 }
 
-std::vector<Vec3> with_places(const ContourSet& set, const Contour& contour, const std::vector<PutIn>& all) {
+std::vector<Vec3> with_places(const ContourSet& set, const Contour& contour,
+                              const std::vector<CutPoint>& all) {
     std::vector<Vec3> points;
     for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
         const Vec3 from = set.points[k], to = set.points[point_after(contour, k)];
         points.push_back(from);
-        const auto [first, last] =
-            std::equal_range(all.begin(), all.end(), PutIn{key_of(from, to), {}},
-                             [](const PutIn& p, const PutIn& q) { return key_less(p.segment, q.segment); });
+        const auto [first, last] = std::equal_range(
+            all.begin(), all.end(), CutPoint{key_of(from, to), {}},
+            [](const CutPoint& p, const CutPoint& q) { return key_less(p.segment, q.segment); });
         const auto begin = static_cast<std::ptrdiff_t>(points.size());
         for (auto put = first; put != last; ++put) points.push_back(put->at);
         if (less(to, from)) std::reverse(points.begin() + begin, points.end());
@@ -77,40 +79,38 @@ std::vector<Vec3> with_places(const ContourSet& set, const Contour& contour, con
     return points;
 }
 
-// The contours of a slice and the painted regions as a plane graph, and whose each of its faces comes to be.
-class Canvas {
+// The contours of a slice and the edited regions as a plane graph, and whose each of its faces comes to be.
+class EditedFaces {
   public:
-    Canvas(const ContourSet& set, const Painting& painting) : set_(set), painting_(painting) {}
+    EditedFaces(const ContourSet& set, const RegionEdit& edit) : set_(set), edit_(edit) {}
 
     bool arrange_rings() {
-        const Slice& slice = set_.slices[painting_.slice];
-        const std::vector<PutIn> put = to_put_in(set_, painting_.places);
+        const Slice& slice = set_.slices[edit_.slice];
+        const std::vector<CutPoint> put = to_put_in(set_, edit_.places);
         std::vector<Ring> rings;
         for (const Contour& contour : set_.contours_of(slice)) {
-            if (!is_painted(contour.structure)) continue;
+            if (!is_edited(contour.structure)) continue;
             rings.push_back(make_ring(with_places(set_, contour, put), slice.plane,
                                       static_cast<std::uint32_t>(rings.size())));
             structures_.push_back(contour.structure);
         }
-        for (const std::vector<Vec3>& region : painting_.regions)
+        for (const std::vector<Vec3>& region : edit_.regions)
             rings.push_back(make_ring(region, slice.plane, static_cast<std::uint32_t>(rings.size())));
         graph_ = arrange(rings, slice.plane, most_edges);
         return graph_.has_value();
     }
 
-    bool is_painted(std::uint32_t structure) const {
-        return set_.exclusive || structure == painting_.structure;
-    }
+    bool is_edited(std::uint32_t structure) const { return set_.exclusive || structure == edit_.structure; }
 
     // Where segments of the contours were cut, for others that have the same segments.
-    std::vector<PutIn> cuts() const {
-        std::vector<PutIn> all;
+    std::vector<CutPoint> cuts() const {
+        std::vector<CutPoint> all;
         std::size_t ring = 0;
-        for (const Contour& contour : set_.contours_of(set_.slices[painting_.slice])) {
-            if (!is_painted(contour.structure)) continue;
+        for (const Contour& contour : set_.contours_of(set_.slices[edit_.slice])) {
+            if (!is_edited(contour.structure)) continue;
             const std::vector<std::uint32_t>& cycle = graph_->cycles[ring++];
             const auto points = set_.points_of(contour);
-            std::vector<PutIn> of_ring;
+            std::vector<CutPoint> of_ring;
             std::size_t last = points.size() - 1;  // of the contour's points, the one passed last
             for (const std::uint32_t vertex : cycle) {
                 const Vec3 at = graph_->points[vertex];
@@ -156,14 +156,14 @@ class Canvas {
         bool has = false;
         for (const RingTurns& turns : winding) {
             if (turns.turns % 2 == 0) continue;
-            if (turns.ring >= structures_.size()) return structure == painting_.structure && painting_.inside;
+            if (turns.ring >= structures_.size()) return structure == edit_.structure && edit_.inside;
             has ^= structures_[turns.ring] == structure;
         }
         return has;
     }
 
     const ContourSet& set_;
-    const Painting& painting_;
+    const RegionEdit& edit_;
     std::vector<std::uint32_t> structures_;  // per contour's ring; the regions' come after these
     std::optional<Arrangement> graph_;
 };
@@ -180,9 +180,9 @@ std::vector<SegmentKey> segments_of(const ContourSet& set, const Slice& slice, s
     return segments;
 }
 
-std::vector<SegmentKey> segments_of(std::span<const PaintedRing> rings, std::uint32_t structure) {
+std::vector<SegmentKey> segments_of(std::span<const EditedRing> rings, std::uint32_t structure) {
     std::vector<SegmentKey> segments;
-    for (const PaintedRing& ring : rings) {
+    for (const EditedRing& ring : rings) {
         if (ring.structure != structure) continue;
         for (std::size_t n = 0; n < ring.points.size(); ++n)
             segments.push_back(key_of(ring.points[n], ring.points[(n + 1) % ring.points.size()]));
@@ -211,9 +211,9 @@ double farthest_from(const std::vector<SegmentKey>& own, const std::vector<Segme
     return farthest;
 }
 
-bool is_sound(const ContourSet& set, const Slice& slice, std::span<const PaintedRing> rings) {
+bool is_sound(const ContourSet& set, const Slice& slice, std::span<const EditedRing> rings) {
     std::vector<PlaneRing> all;
-    for (const PaintedRing& ring : rings) {
+    for (const EditedRing& ring : rings) {
         PlaneRing one{ring.structure, {}};
         for (const Vec3& p : ring.points) one.at.push_back(slice.plane.to_plane(p));
         all.push_back(std::move(one));
@@ -223,17 +223,17 @@ bool is_sound(const ContourSet& set, const Slice& slice, std::span<const Painted
 
 }  // namespace
 
-std::optional<std::vector<PaintedRing>> repaint(const ContourSet& set, const Painting& painting) {
-    const Slice& slice = set.slices[painting.slice];
-    Canvas canvas(set, painting);
+std::optional<std::vector<EditedRing>> edit_region(const ContourSet& set, const RegionEdit& edit) {
+    const Slice& slice = set.slices[edit.slice];
+    EditedFaces canvas(set, edit);
     if (!canvas.arrange_rings()) return std::nullopt;
-    const std::vector<PutIn> cuts = canvas.cuts();
-    std::vector<PaintedRing> rings;
+    const std::vector<CutPoint> cuts = canvas.cuts();
+    std::vector<EditedRing> rings;
     for (std::uint32_t structure = 0; structure < set.structures.size(); ++structure) {
-        if (canvas.is_painted(structure)) {
+        if (canvas.is_edited(structure)) {
             const std::vector<SegmentKey> before = segments_of(set, slice, structure);
             for (std::vector<Vec3>& points : canvas.rings_of(structure)) {
-                PaintedRing ring{structure, std::move(points), false};
+                EditedRing ring{structure, std::move(points), false};
                 for (const SegmentKey& segment : segments_of({&ring, 1}, structure)) {
                     if (has(before, segment)) continue;
                     ring.is_new = true;
@@ -252,7 +252,7 @@ std::optional<std::vector<PaintedRing>> repaint(const ContourSet& set, const Pai
     return rings;
 }
 
-double farthest_change(const ContourSet& set, std::uint32_t slice, std::span<const PaintedRing> rings) {
+double farthest_change(const ContourSet& set, std::uint32_t slice, std::span<const EditedRing> rings) {
     double farthest = 0;
     for (std::uint32_t structure = 0; structure < set.structures.size(); ++structure) {
         const std::vector<SegmentKey> before = segments_of(set, set.slices[slice], structure),
@@ -262,7 +262,7 @@ double farthest_change(const ContourSet& set, std::uint32_t slice, std::span<con
     return farthest;
 }
 
-ContourSet with_painted(const ContourSet& set, std::uint32_t slice, std::span<const PaintedRing> rings) {
+ContourSet with_edited(const ContourSet& set, std::uint32_t slice, std::span<const EditedRing> rings) {
     ContourSet result = set;
     result.contours.clear();
     result.points.clear();
@@ -275,7 +275,7 @@ ContourSet with_painted(const ContourSet& set, std::uint32_t slice, std::span<co
         Slice& now = result.slices[s];
         now.first_contour = static_cast<std::uint32_t>(result.contours.size());
         if (s == slice) {
-            for (const PaintedRing& ring : rings) add(ring.structure, s, ring.points);
+            for (const EditedRing& ring : rings) add(ring.structure, s, ring.points);
         } else {
             for (const Contour& contour : set.contours_of(set.slices[s]))
                 add(contour.structure, s, set.points_of(contour));

@@ -1,4 +1,4 @@
-// group_ends: ends of several slices that have to become one point, and that point.
+// group_endpoints: ends of several slices that have to become one point, and that point.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +7,14 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
-#include "anatomesh/slices/lines/line_ends.h"
+#include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
 // Places that have to become one point: those joined by matched ends, also over several pairs (an axis
 // through which many planes run). On one line they share a position along it; on several lines the point
 // nearest to all is given.
-struct EndGroups {
+struct EndpointGroups {
     struct Member {
         std::uint32_t group = no_node;  // no_node: in no matching
         bool pinned = false;            // several lines: the place is to move by `direction`
@@ -32,8 +32,8 @@ struct EndGroups {
     double worst_mm = 0;  // largest distance, across the contours, of a place from its group's point
 };
 
-EndGroups group_ends(const ContourSet& set, const EndPlaces& ends,
-                     std::span<const LineComparison> comparisons);
+EndpointGroups group_endpoints(const ContourSet& set, const EndpointPlaces& ends,
+                               std::span<const LineComparison> comparisons);
 
 // Adds to `distinct` the lines that are not in it yet, two lines within rounding being one. O(lines *
 // distinct).

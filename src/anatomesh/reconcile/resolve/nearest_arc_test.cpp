@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/resolve/facing_stretch.h"
+#include "anatomesh/reconcile/resolve/nearest_arc.h"
 
 #include <gtest/gtest.h>
 
@@ -43,13 +43,13 @@ Crossed crossed(const std::vector<Ring>& drawn, double degrees) {
     return result;
 }
 
-FacingStretch stretch_of(const Crossed& c, double low, double high) {
-    return facing_stretch(c.set, 0, 0, c.line, c.other, low, high);
+NearestArc stretch_of(const Crossed& c, double low, double high) {
+    return nearest_arc(c.set, 0, 0, c.line, c.other, low, high);
 }
 
 // A box beside the line whose near side has vertices, the interval anywhere along it: the vertices beside the
 // interval, their distances, and where the ends and the middle of the interval lie on the side.
-TEST(FacingStretch, is_what_lies_beside_the_interval) {
+TEST(NearestArc, is_what_lies_beside_the_interval) {
     for (const double degrees : {5.0, 40.0, 90.0}) {
         for (const double side : {1.0, -1.0}) {
             for (const double low : {-7.35, -2.15, 0.45}) {
@@ -59,7 +59,7 @@ TEST(FacingStretch, is_what_lies_beside_the_interval) {
                     box.push_back({10, side * 9});
                     box.push_back({-10, side * 9});
                     const Crossed c = crossed({box}, degrees);
-                    const FacingStretch stretch = stretch_of(c, low, low + width);
+                    const NearestArc stretch = stretch_of(c, low, low + width);
                     std::size_t beside = 0;
                     for (double x = -10; x <= 10; x += 1) beside += x > low && x < low + width;
                     ASSERT_EQ(stretch.points.size(), beside);
@@ -75,7 +75,7 @@ TEST(FacingStretch, is_what_lies_beside_the_interval) {
                     }
                     EXPECT_NEAR(length(stretch.back), 1, 1e-9);
                     std::vector<double> places;
-                    for (const LineEnd& place : stretch.places) {
+                    for (const IntervalEndpoint& place : stretch.places) {
                         EXPECT_NEAR(place.at.x, place.t, 1e-9);
                         EXPECT_NEAR(std::abs(place.at.z), 2 + 0.05 * place.t, 1e-9);
                         EXPECT_LE(std::abs(place.at.z), stretch.height_mm + 1e-9);
@@ -92,31 +92,31 @@ TEST(FacingStretch, is_what_lies_beside_the_interval) {
     }
 }
 
-TEST(FacingStretch, is_of_the_nearest_contour_and_of_its_near_side) {
+TEST(NearestArc, is_of_the_nearest_contour_and_of_its_near_side) {
     const Ring far{{-5, 8}, {5, 8}, {5, 12}, {-5, 12}}, near{{-5, -3}, {-5, -6}, {5, -6}, {5, -3}, {0, -2}};
-    const FacingStretch stretch = stretch_of(crossed({far, near}, 60), -4, 4);
+    const NearestArc stretch = stretch_of(crossed({far, near}, 60), -4, 4);
     ASSERT_EQ(stretch.points.size(), 1u);  // the near one's tip
     EXPECT_DOUBLE_EQ(stretch.heights_mm[0], 2);
     EXPECT_NEAR(stretch.height_mm, 2.8, 1e-9);  // at the interval's ends
 }
 
-TEST(FacingStretch, ends_where_the_contour_turns_back_or_passes_the_line) {
+TEST(NearestArc, ends_where_the_contour_turns_back_or_passes_the_line) {
     // Beside the whole interval runs an arm that turns back at x = 2.
     const Ring turned{{-9, 2}, {2, 3}, {1, 6}, {-9, 6}};
-    const FacingStretch half = stretch_of(crossed({turned}, 90), -4, 4);
+    const NearestArc half = stretch_of(crossed({turned}, 90), -4, 4);
     ASSERT_EQ(half.points.size(), 1u);
     EXPECT_DOUBLE_EQ(half.heights_mm[0], 3);
     EXPECT_EQ(half.places.size(), 2u);  // the interval's end is not beside it
     const Ring passing{{-9, 2}, {-1, 2}, {1, -2}, {9, -2}, {9, -8}, {20, -8}, {20, 9}, {-9, 9}};
-    const FacingStretch until = stretch_of(crossed({passing}, 90), -6, -0.5);
+    const NearestArc until = stretch_of(crossed({passing}, 90), -6, -0.5);
     ASSERT_EQ(until.points.size(), 1u);
     EXPECT_DOUBLE_EQ(until.heights_mm[0], 2);
 }
 
-TEST(FacingStretch, is_not_there_where_nothing_lies_beside_the_interval) {
+TEST(NearestArc, is_not_there_where_nothing_lies_beside_the_interval) {
     const Ring box{{-5, 2}, {5, 2}, {5, 6}, {-5, 6}};
     EXPECT_TRUE(stretch_of(crossed({box}, 90), 6, 9).places.empty());
-    EXPECT_TRUE(facing_stretch(crossed({box}, 90).set, 0, 1, {{}, {1, 0, 0}}, crossed({box}, 90).other, -1, 1)
+    EXPECT_TRUE(nearest_arc(crossed({box}, 90).set, 0, 1, {{}, {1, 0, 0}}, crossed({box}, 90).other, -1, 1)
                     .places.empty());  // of another structure
 }
 
