@@ -11,9 +11,13 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double nested_share = 0.5;  // of the smaller of two: so much of it in the other
-constexpr double most_across = 0.02;  // of a structure's area: to one of another level beside it
-constexpr double most_shared = 0.1;   // of its outline, of what lies in another one: along the other's
+// Rule 3: so much of a structure's area lies in the other one. [1; 0 to 1; M 2026-11 random solids]
+constexpr double nested_share = 0.5;
+// Rule 4: so much of its outline may run along the other one's. [1; 0 to 1; M 2026-11, set not recorded]
+constexpr double most_shared = 0.1;
+// Rule 5: so much of its area it may give to one of another level beside it. [1; 0 to 1; M 2026-11, set not
+// recorded]
+constexpr double most_across = 0.02;
 
 // Rules 3, 4 and 6 of give_overlaps(). A slice between the structure's own that draws the outer one alone
 // takes the room from it that it has between its slices; then only its whole drawing counts.

@@ -26,10 +26,12 @@ namespace anatomesh {
 
 namespace {
 
-// A step of the lattice: at most the first of the mean distance of drawn vertices, and the second of the mean
-// length of a contour, which may have few.
+// A step of the lattice is at most the first share of the mean distance of drawn vertices, and the second
+// share of the mean length of a contour, which may have few vertices. [1; 0 to 1; M 2026-11 random solids]
 constexpr double lattice_share = 0.5, contour_share = 1.0 / 96;
-constexpr double most_moved = 0.05;  // of a step, when vertices are left out
+// Vertices are left out where the outline moves by this share of a step at most. [1; 0 to 1; M 2026-11, set
+// not recorded]
+constexpr double most_moved_steps = 0.05;
 
 // The set as if no slice told what it does not draw.
 ContourSet not_exclusive(ContourSet set) {
@@ -168,7 +170,7 @@ class Outlines {
             if (std::binary_search(within.begin(), within.end(), k)) trace(*field, step, k, outlines);
         }
         ANATOMESH_TRY(SimplifyResult fewer,
-                      simplify_contours(outlines, {most_moved * step, step / lattice_share, 0}, apart));
+                      simplify_contours(outlines, {most_moved_steps * step, step / lattice_share, 0}, apart));
         return std::move(fewer.kept);
     }
 

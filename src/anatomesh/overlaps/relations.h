@@ -6,7 +6,8 @@
 
 namespace anatomesh {
 
-// A structure that has less than this in common with another one has nothing, on a slice or over all. mm^2
+// A structure that has less than this in common with another one has nothing, on a slice or over all. [mm^2;
+// > 0; D]
 inline constexpr double least_overlap_mm2 = 1e-6;
 
 // What one structure has to do with another one, over all slices that draw both.

@@ -11,9 +11,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double sliver_width_mm = 1e-3;
-constexpr std::size_t most_edges = 20'000'000;
-constexpr std::uint32_t nobody = 0xFFFFFFFFu;
+constexpr std::uint32_t nobody = 0xFFFFFFFFu;  // [1; -; D]
 
 }  // namespace
 
@@ -25,7 +23,7 @@ bool SlicePartition::arrange_contours() {
                                   static_cast<std::uint32_t>(structures_.size())));
         structures_.push_back(contour.structure);
     }
-    graph_ = arrange(rings, slice_.plane, most_edges);
+    graph_ = arrange(rings, slice_.plane, most_arrangement_edges);
     if (!graph_) return false;
     for (const Winding& winding : graph_->windings) faces_.push_back(face_of(winding));
     return true;

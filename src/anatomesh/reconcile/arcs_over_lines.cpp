@@ -12,7 +12,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double failed_share = 0.5;  // of the difference: an arc that leaves more of it has failed
+// An arc that leaves more than this share of the slices' difference has failed. [1; 0 to 1; M 2026-11, set
+// not recorded]
+constexpr double failed_share = 0.5;
 
 // An arc of a slice that would have to come over the line for the slice to have what the other one has.
 struct LackingArc {

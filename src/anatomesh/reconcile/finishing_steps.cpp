@@ -18,11 +18,21 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_moved_share = 0.05;  // of the radius about poles: else the slices agreed as drawn
-constexpr double pole_radius_share = 0.3;   // of the mean distance between vertices
-constexpr double sharp_pole_degrees = 70;
-constexpr double apart_share = 0.5;  // of the clearance, from one another
-constexpr double parted_share = 2;   // of the mean distance between vertices: contours are parted or joined
+// Where no contour moved by this share of the radius, slices agreed as drawn. [1; 0 to 1; M 2026-11, set not
+// recorded]
+constexpr double least_moved_share = 0.05;
+// Contours are regularized up to this share of the mean distance between vertices from an axis.
+// [1; > 0; M 2026-11 69 random sets about an axis]
+constexpr double radius_share = 0.3;
+// Surfaces that fold more sharply beside an axis are regularized. [degrees; 0 to 180; M 2026-11 69 random
+// sets about an axis]
+constexpr double sharp_fold_degrees = 70;
+// Contours keep this share of the clearance from each other. [1; 0 to 1; M 2026-11 69 random sets about an
+// axis]
+constexpr double apart_share = 0.5;
+// Contours are parted or joined over intervals up to this many mean distances between vertices.
+// [distances; > 0; M 2026-11 a heart]
+constexpr double parted_share = 2;
 
 // The state with common points once more, of contours that were changed; `before` where slices would agree
 // less than they did then, by `left`. The state is compared.
@@ -100,7 +110,7 @@ Result<ReconcileState> resolve_what_is_left(ReconcileState state, const Reconcil
 
 Result<ReconcileState> regularize_at_axes(ReconcileState state, const ReconcileScope& scope,
                                           RunContext& context) {
-    const FanOptions options{pole_radius_share * mean_vertex_spacing(state.set), sharp_pole_degrees,
+    const FanOptions options{radius_share * mean_vertex_spacing(state.set), sharp_fold_degrees,
                              scope.options.max_disagreement_mm};
     if (state.stats.max_movement_mm < least_moved_share * options.radius_mm) return state;
     state = with_fans_regularized(std::move(state), options, scope, context);

@@ -12,9 +12,11 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_rounds = 16;
-constexpr int most_idle_rounds = 6;
-constexpr double idle_share = 0.9;  // of the worst distance: a round that leaves more of it was idle
+constexpr int most_rounds = 16;      // [rounds; >= 1; B]
+constexpr int most_idle_rounds = 6;  // [rounds; >= 1; B]
+// A round that leaves more than this share of the worst distance was idle. [1; 0 to 1; M 2026-11, set not
+// recorded]
+constexpr double idle_share = 0.9;
 
 // What a round asks of the movement.
 struct MovementTask {

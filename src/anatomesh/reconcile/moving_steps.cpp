@@ -15,16 +15,18 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_repetitions = 4;
-constexpr double least_gain = 0.2;        // of a repetition: the share by which slices differ less
-constexpr double longest_fold_share = 4;  // of the bound, along a contour
+constexpr int most_repetitions = 4;  // [repetitions; >= 0; B]
+// A repetition is kept if slices differ by this share less after it. [1; 0 to 1; M 2026-11 fetal brain]
+constexpr double least_repetition_gain = 0.2;
+// Ends of a fold are so many bounds apart at most, along the contour. [bounds; > 0; M 2026-11 fetal brain]
+constexpr double longest_fold_bounds = 4;
 
 // Cuts off folds and spikes. Where slices do not agree on their common line, cutting a spike off may move an
 // end there: those that would be further apart than without any spike keep theirs.
 FoldStats flatten(ReconcileState& state, const ReconcileScope& scope, const std::vector<MovedPoint>& moved,
                   RunContext& context) {
     const ContourSet with_folds = state.set;
-    FoldOptions options{longest_fold_share * scope.options.max_disagreement_mm,
+    FoldOptions options{longest_fold_bounds * scope.options.max_disagreement_mm,
                         std::vector<bool>(state.set.slices.size(), true)};
     FoldStats folds = flatten_folds(state.set, moved, options);
     compare_slices(state, scope, context);
@@ -91,7 +93,7 @@ Result<ReconcileState> repeat(ReconcileState state, const ReconcileScope& scope,
         ANATOMESH_CHECK_STATUS(move_measure_join(state, scope, over ? &arcs : nullptr, context));
         const std::vector<ComparisonKey> failed =
             still_differing(arcs.taken, before.comparisons, state.comparisons);
-        if (failed.empty() && total_difference_mm(state.comparisons) <= (1 - least_gain) * left) {
+        if (failed.empty() && total_difference_mm(state.comparisons) <= (1 - least_repetition_gain) * left) {
             note_taken_over(arcs.taken, state.stats.taken_over);
             continue;
         }

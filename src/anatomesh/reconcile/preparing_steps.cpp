@@ -17,7 +17,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_align_rounds = 12;
+constexpr int most_align_rounds = 12;  // [rounds; >= 1; B]
 
 // Shifts the contours of all slices; returns the length of the longest shift.
 double shift_slices(ContourSet& set, const std::vector<Vec2>& shifts) {

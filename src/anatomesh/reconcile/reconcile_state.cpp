@@ -7,7 +7,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double joined_mm = 0.1;  // how far a vertex may have gone to a common point
+// A vertex that went to a common point is found again within this distance. [mm; > 0; M 2026-11, set not
+// recorded]
+constexpr double carried_over_mm = 0.1;
 
 std::vector<LineComparison> compared(const ContourSet& set, const std::vector<PlanePatch>& patches,
                                      const ReconcileState& state, const ReconcileScope& scope,
@@ -34,7 +36,7 @@ std::vector<LineComparison> comparisons_of(const ContourSet& set, const Reconcil
 }
 
 void carry_over_original(ReconcileState& state, const ContourSet& before, const OriginalPositions& drawn) {
-    state.original = carry_over(before, drawn, state.set, joined_mm);
+    state.original = carry_over(before, drawn, state.set, carried_over_mm);
 }
 
 void share_points(ReconcileState& state) {

@@ -1,6 +1,7 @@
 // Arrangement: the rings of a slice cut at all their crossings, and how each ring winds around every face.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -9,6 +10,12 @@
 #include "anatomesh/contour/model/ring.h"
 
 namespace anatomesh {
+
+// A loop that is narrower in the mean, area over half of its perimeter, is what rounding left. [mm; > 0; M
+// 2026-11, set not recorded]
+inline constexpr double sliver_width_mm = 1e-3;
+// More edges of one slice are refused. [edges; > 0; B]
+inline constexpr std::size_t most_arrangement_edges = 20'000'000;
 
 // How often a ring winds around a face, counter-clockwise positive; never 0 in a list.
 struct RingTurns {

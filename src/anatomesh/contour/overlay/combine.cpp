@@ -16,7 +16,6 @@ namespace anatomesh {
 namespace {
 
 constexpr double no_share = 1e-9;  // of an area: rounding of the area itself
-constexpr double sliver_width_mm = 1e-3;
 
 bool is_inside(const RingTurns& turns) {
     return turns.turns % 2 != 0;

@@ -16,9 +16,14 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double at_bound_share = 1e-3;   // of the bound: a contour so near to it cannot move further
-constexpr double least_left_share = 0.1;  // of the bound: slices that differ by less are warned of
-constexpr double beside_line = 2;         // bounds: of a moved point from the other slice's plane
+// A contour that is nearer to the bound, in shares of it, cannot move further. [1; 0 to 1; D]
+constexpr double at_bound_share = 1e-3;
+// Slices that differ by a smaller share of the bound are warned of alone. [1; 0 to 1; M 2026-11 two stacks
+// that moved]
+constexpr double least_left_share = 0.1;
+// A moved point counts up to so many bounds from the other slice's plane. [bounds; >= 1; M 2026-11, set not
+// recorded]
+constexpr double beside_line = 2;
 
 // A slice whose contours all lie on one side of the other's plane, beside their common line: there it tells
 // within a margin only that nothing is there, and an image that ends there draws along its edge. `at`: where

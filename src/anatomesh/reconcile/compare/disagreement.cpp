@@ -12,8 +12,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double normal_reach_mm = 2;  // contours' normals are taken over chords of this half length
-
 struct Figures {
     double median = 0, p95 = 0, max = 0;
 };
@@ -62,7 +60,7 @@ double distance_across(const ContourSet& set, const LineComparison& c, const Int
                        const IntervalEndpoint& b) {
     const auto sine = [&](const IntervalEndpoint& end, std::uint32_t slice) {
         const Plane& plane = set.slices[slice].plane;
-        return std::abs(dot(contour_normal(set, end, normal_reach_mm),
+        return std::abs(dot(contour_normal(set, end, measuring_chord_mm),
                             {dot(c.line.direction, plane.u), dot(c.line.direction, plane.v)}));
     };
     return std::abs(a.t - b.t) * std::min(sine(a, c.a), sine(b, c.b));

@@ -10,7 +10,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_sine = 0.1;  // of the angle between planes: nearly parallel ones meet by chance
+// Planes at a smaller angle are nearly parallel and meet by chance. [1, sine; 0 to 1; M 2026-11, set not
+// recorded]
+constexpr double least_plane_sine = 0.1;
 
 bool passes_through(const PlanePatch& patch, const Plane& plane) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -51,7 +53,7 @@ std::vector<IsolatedSlice> find_isolated_slices(const ContourSet& set, const std
             if ((is_met[a] && is_met[b]) || set.slices[a].contour_count == 0 ||
                 set.slices[b].contour_count == 0)
                 continue;
-            if (length(cross(patches[a].plane.normal, patches[b].plane.normal)) < least_sine) continue;
+            if (length(cross(patches[a].plane.normal, patches[b].plane.normal)) < least_plane_sine) continue;
             if (passes_through(patches[a], patches[b].plane) && passes_through(patches[b], patches[a].plane))
                 pairs.emplace_back(a, b);
         }

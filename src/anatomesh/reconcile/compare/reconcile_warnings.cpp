@@ -10,12 +10,16 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_named_pairs = 10;
-// Of pairs: that differ by more, or by this share of the bound.
+constexpr std::size_t most_named_pairs = 10;  // [warnings; >= 1; B]
+// Pairs of slices are named that differ by more than both: a length, and a share of the bound.
+// [mm; >= 0; M 2026-11, set not recorded] [1; 0 to 1; M 2026-11, set not recorded]
 constexpr double named_mm = 0.5, named_share = 0.05;
-constexpr double least_named_change_mm = 0.1;  // of a contour that moving did not bring to agree
-constexpr double outlier_mm = 2,
-                 outlier_factor = 4;  // of a slice's median disagreement, and over that of all
+// A smaller change of a contour that moving did not bring to agree is not named. [mm; >= 0; M 2026-11, set
+// not recorded]
+constexpr double least_named_change_mm = 0.1;
+// A slice is an outlier if its median disagreement is above both: a length, and a multiple of that of all.
+// [mm; > 0; M 2026-11, set not recorded] [1; > 1; M 2026-11, set not recorded]
+constexpr double outlier_mm = 2, outlier_factor = 4;
 
 class ReconcileWarnings {
   public:

@@ -13,8 +13,11 @@
 
 namespace anatomesh {
 
-inline constexpr double joinable_mm = 0.01;         // across contours: then common points can be put in
-inline constexpr double align_precision_mm = 1e-3;  // of shifts
+// Ends that are nearer to their groups' points, across the contours, can be joined: nothing is left to move.
+// [mm; > 0; M 2026-11, set not recorded]
+inline constexpr double joinable_mm = 0.01;
+// Shifts that grow by less have been found. [mm; > 0; B]
+inline constexpr double align_precision_mm = 1e-3;
 
 // Warnings W-RCN-001..013, of the stats of reconcile_contours() for `set` as kept. None where no slices
 // cross.

@@ -10,11 +10,25 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double normal_reach_mm = 2;
-constexpr double least_bound_mm = 1;    // gaps below this are drawing noise
-constexpr double pull_to_place = 0.02;  // of a whole shift, beside some 0.5 for every end
-constexpr double least_crossing_sine =
-    0.2;  // contours that run nearly along the line say nothing about shifts
+// A gap between ends below this is noise of drawing. [mm; > 0; M 2026-11, set not recorded]
+constexpr double least_bound_mm = 1;
+// A whole shift is pulled back by this weight, beside some 0.5 for every end. [1; > 0; M 2026-11, set not
+// recorded]
+constexpr double pull_to_place = 0.02;
+// Contours that run nearly along the line say nothing about shifts. [1, sine; 0 to 1; M 2026-11, set not
+// recorded]
+constexpr double least_crossing_sine = 0.2;
+// Huber's bound is so many medians. [1; > 1; M 2026-11, set not recorded]
+constexpr double huber_medians = 1.5;
+constexpr int most_shift_steps = 200;     // [steps; >= 1; B]
+constexpr int most_translation_steps = 100;  // [steps; >= 1; B]
+// Shorter movements get no larger weight in the median. [mm; > 0; D]
+constexpr double least_length_mm = 1e-4;
+// Directions in which no slice moves get this stiffness, so that the equations have one solution. [1; > 0; D]
+constexpr double least_stiffness = 1e-9;
+// A common translation is taken off only if at most this share of the movement is left. [1; 0 to 1; M
+// 2026-11, set not recorded]
+constexpr double left_share = 0.75;
 
 // weight * (gap + to_a . shift of a - to_b . shift of b)^2
 struct Equation {
@@ -31,8 +45,8 @@ std::vector<Equation> equations_of(const ContourSet& set, std::span<const LineCo
         const Vec2 along_a{dot(along, plane_a.u), dot(along, plane_a.v)},
             along_b{dot(along, plane_b.u), dot(along, plane_b.v)};
         for (const auto& [i, j] : comparison.matching.matched) {
-            const Vec2 normal_a = contour_normal(set, comparison.endpoints_a[i], normal_reach_mm),
-                       normal_b = contour_normal(set, comparison.endpoints_b[j], normal_reach_mm);
+            const Vec2 normal_a = contour_normal(set, comparison.endpoints_a[i], measuring_chord_mm),
+                       normal_b = contour_normal(set, comparison.endpoints_b[j], measuring_chord_mm);
             const double sine_a = dot(normal_a, along_a), sine_b = dot(normal_b, along_b);
             if (std::abs(sine_a) < least_crossing_sine || std::abs(sine_b) < least_crossing_sine) continue;
             equations.push_back({comparison.a, comparison.b, (1 / sine_a) * normal_a, (1 / sine_b) * normal_b,
@@ -49,7 +63,7 @@ void reweigh(std::vector<Equation>& equations) {
     for (const Equation& e : equations) gaps.push_back(std::abs(e.gap) * std::sqrt(e.weight));
     const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
     std::nth_element(gaps.begin(), middle, gaps.end());
-    const double bound = std::max(1.5 * *middle, least_bound_mm);
+    const double bound = std::max(huber_medians * *middle, least_bound_mm);
     for (Equation& e : equations) {
         const double gap = std::abs(e.gap) * std::sqrt(e.weight);
         if (gap > bound) e.weight *= bound / gap;
@@ -60,7 +74,6 @@ void reweigh(std::vector<Equation>& equations) {
 
 std::vector<Vec2> estimate_shifts(const ContourSet& set, std::span<const LineComparison> comparisons,
                                   std::span<const Vec2> shifted) {
-    constexpr int most_steps = 200;
     std::vector<Vec2> shifts(set.slices.size());
     std::vector<Equation> equations = equations_of(set, comparisons);
     if (equations.empty()) return shifts;
@@ -89,7 +102,7 @@ std::vector<Vec2> estimate_shifts(const ContourSet& set, std::span<const LineCom
     direction = residual;
     double square = product(residual, residual);
     const double enough = 1e-16 * square;
-    for (int step = 0; step < most_steps && square > enough; ++step) {
+    for (int step = 0; step < most_shift_steps && square > enough; ++step) {
         spread(direction, linear, image);
         for (std::size_t i = 0; i < image.size(); ++i) image[i] = image[i] + pull_to_place * direction[i];
         const double curvature = product(direction, image);
@@ -107,9 +120,6 @@ std::vector<Vec2> estimate_shifts(const ContourSet& set, std::span<const LineCom
 }
 
 Vec3 common_translation(const ContourSet& set, std::span<const Vec2> shifts) {
-    constexpr int steps = 100;
-    constexpr double least_mm = 1e-4;         // lengths below do not gain weight any more
-    constexpr double least_stiffness = 1e-9;  // along directions in which no slice moves
     const auto left_of = [&](std::size_t s, Vec3 translation) {
         const Plane& plane = set.slices[s].plane;
         return shifts[s] - Vec2{dot(translation, plane.u), dot(translation, plane.v)};
@@ -120,14 +130,14 @@ Vec3 common_translation(const ContourSet& set, std::span<const Vec2> shifts) {
         return sum;
     };
     Vec3 translation;
-    for (int step = 0; step < steps; ++step) {
+    for (int step = 0; step < most_translation_steps; ++step) {
         // Rows of the normal equations, and their right side.
         std::array<Vec3, 3> rows{};
         Vec3 right;
         double weights = 0;
         for (std::size_t s = 0; s < shifts.size(); ++s) {
             const Plane& plane = set.slices[s].plane;
-            const double weight = 1 / std::max(length(left_of(s, translation)), least_mm);
+            const double weight = 1 / std::max(length(left_of(s, translation)), least_length_mm);
             weights += weight;
             for (const Vec3& axis : {plane.u, plane.v}) {
                 rows[0] += weight * axis.x * axis, rows[1] += weight * axis.y * axis;
@@ -144,7 +154,7 @@ Vec3 common_translation(const ContourSet& set, std::span<const Vec2> shifts) {
         translation = (1 / determinant) * Vec3{dot(right, across), dot(rows[0], cross(right, rows[2])),
                                                dot(rows[0], cross(rows[1], right))};
     }
-    return movement(translation) <= 0.75 * movement({}) ? translation : Vec3{};
+    return movement(translation) <= left_share * movement({}) ? translation : Vec3{};
 }
 
 }  // namespace anatomesh

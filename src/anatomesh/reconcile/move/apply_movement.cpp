@@ -12,8 +12,11 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_shortenings = 16;       // of a step, by half each
-constexpr double shortening_reach_mm = 3;  // along the contour
+constexpr int most_shortenings = 16;  // [shortenings; >= 1; B]
+// A step is shortened up to this far along the contour, and further where that did not help.
+// [mm; > 0; M 2026-11, set not recorded]
+constexpr double shortening_reach_mm = 3;
+constexpr int shortenings_per_reach = 4;  // [shortenings; >= 1; B]
 
 // The moves of all nodes, and the share of each that a sound slice allows.
 class BoundedMovement {
@@ -32,7 +35,7 @@ class BoundedMovement {
         for (int n = 0; n < most_shortenings; ++n) {
             const std::vector<RingSegment> faults = slice_faults(rings_of(slice), set_.exclusive);
             if (faults.empty()) return;
-            const double reach = shortening_reach_mm * (1 + n / 4);  // wider where that does not help
+            const double reach = shortening_reach_mm * (1 + n / shortenings_per_reach);
             for (const RingSegment fault : faults)
                 shorten_around(set_.contours[slice.first_contour + fault.ring], fault.place, reach);
         }

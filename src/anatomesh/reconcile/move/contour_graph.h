@@ -12,7 +12,7 @@
 
 namespace anatomesh {
 
-inline constexpr std::uint32_t no_node = 0xffffffffu;
+inline constexpr std::uint32_t no_node = 0xffffffffu;  // [1; -; D]
 
 // Nodes are the distinct points of each slice.
 struct ContourGraph {
@@ -50,6 +50,11 @@ struct EndpointPlaces {
 // Places on one segment that differ by rounding are one. O(n log n).
 EndpointPlaces place_endpoints(const ContourSet& set, const ContourGraph& graph,
                                std::span<const LineComparison> comparisons);
+
+// Contours' normals are taken over chords of this half length where ends are moved, and of the other where
+// the slices' disagreement is measured: a longer one sees less of the noise of drawing. [mm; > 0; M 2026-11,
+// set not recorded]
+inline constexpr double moving_chord_mm = 1, measuring_chord_mm = 2;
 
 // Unit normal of the contour at an end, in the frame of its slice: across the chord of the contour that
 // reaches at least `reach` mm, or one segment, to both sides.

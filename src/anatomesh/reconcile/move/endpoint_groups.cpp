@@ -12,9 +12,11 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double same_point_mm = 1e-6;
+constexpr double same_point_mm = 1e-6;  // [mm; > 0; D]
+// Places of contours along their line get this weight, so that no sum of weights is 0. [1; > 0; D]
 constexpr double least_weight = 1e-6;
-constexpr double normal_chord_mm = 1;  // contours' normals are taken over chords of this half length
+// A smaller determinant, per line cubed, is that of lines nearly parallel to each other. [1; > 0; D]
+constexpr double least_determinant = 1e-6;
 
 // A place with a line that it has to stay on.
 struct Membership {
@@ -69,7 +71,7 @@ class EndpointGrouping {
             if (place.group != no_node) continue;
             place.group = group;
             const Plane& plane = set_.slices[set_.contours[member.end->contour].slice].plane;
-            const Vec2 normal = contour_normal(set_, *member.end, normal_chord_mm);
+            const Vec2 normal = contour_normal(set_, *member.end, moving_chord_mm);
             place.sine = dot(normal, {dot(line.direction, plane.u), dot(line.direction, plane.v)});
             place.direction = place.sine * normal;
             place.sine = std::abs(place.sine);
@@ -174,7 +176,7 @@ bool meeting_point(std::span<const Line> lines, Vec3 near, Vec3& point) {
     }
     const double determinant = dot(row_x, cross(row_y, row_z));
     const auto count = static_cast<double>(lines.size());
-    if (!(determinant > 1e-6 * count * count * count)) return false;
+    if (!(determinant > least_determinant * count * count * count)) return false;
     // The matrix is symmetric: its rows are its columns.
     point = near + (1 / determinant) * Vec3{dot(right, cross(row_y, row_z)), dot(row_x, cross(right, row_z)),
                                             dot(row_x, cross(row_y, right))};

@@ -9,8 +9,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double pull_to_usual = 1e-4;  // of a group's position; the energy's unit is mm^3
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+// A group's position is pulled to its usual value by so little that it decides only where nothing else does.
+// [mm; > 0; D]
+constexpr double pull_to_usual = 1e-4;
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();  // [1; -; D]
+constexpr int most_gradient_steps = 1000;                                  // [steps; >= 1; B]
+constexpr double gradient_precision = 1e-5;  // of the first residual [1; 0 to 1; B]
 
 // The chains of free nodes, each with two edges, between the other nodes. Such a chain's movements follow
 // from those of the two nodes at its ends, so that its energy is a quadratic form in these alone (Gaussian
@@ -207,8 +211,6 @@ double product(const std::vector<double>& x, const std::vector<double>& y) {
 std::vector<Vec2> solve_movement(const std::vector<MovementNode>& nodes,
                                  const std::vector<MovementEdge>& edges, const std::vector<double>& usual,
                                  double smoothing) {
-    constexpr int most_steps = 1000;
-    constexpr double precision = 1e-5;
     const Chains chains(nodes, edges, smoothing);
     Energy energy(nodes, chains, usual);
     const std::vector<double> inverse = energy.inverse_diagonal();
@@ -221,9 +223,9 @@ std::vector<Vec2> solve_movement(const std::vector<MovementNode>& nodes,
         return product(residual, scaled);
     };
     double square = precondition();
-    const double enough = precision * precision * square;
+    const double enough = gradient_precision * gradient_precision * square;
     direction = scaled;
-    for (int step = 0; step < most_steps && square > enough; ++step) {
+    for (int step = 0; step < most_gradient_steps && square > enough; ++step) {
         energy.gradient(direction, false, product_with);
         const double curvature = product(direction, product_with);
         if (!(curvature > 0)) break;

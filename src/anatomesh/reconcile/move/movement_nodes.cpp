@@ -7,7 +7,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double flattening = 0.2;  // what is left of the height of an arc that is drawn back
+// This share is left of the height of an arc that is drawn back. [1; 0 to 1; M 2026-11, set not recorded]
+constexpr double flattening = 0.2;
 
 }  // namespace
 
@@ -32,7 +33,7 @@ std::vector<MovementEdge> movement_edges(const ContourSet& set, const ContourGra
                                          const EndpointPlaces& ends) {
     std::vector<MovementEdge> edges;
     const auto link = [&](std::uint32_t a, std::uint32_t b, double length) {
-        edges.push_back({a, b, std::max(length, 10 * line_in_plane_mm)});
+        edges.push_back({a, b, std::max(length, beside_plane_mm)});
     };
     std::size_t next = ends.on_nodes;
     for (std::uint32_t s = 0; s < graph.segments.size(); ++s) {

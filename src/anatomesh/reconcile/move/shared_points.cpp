@@ -16,9 +16,16 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double snap_mm = 0.05;             // across the contour
-constexpr double merge_mm = 0.03;            // of a moved vertex with a shared point beside it
-constexpr double least_interval_mm = 0.001;  // on a common line: a shorter one is none
+// A place further from its group's point, across its contour, does not get the point. [mm; > 0; M 2026-11,
+// set not recorded]
+constexpr double joining_mm = 0.05;
+// A moved vertex that is nearer to a shared point gives way to it. [mm; > 0; M 2026-11 fetal brain]
+constexpr double merge_mm = 0.03;
+// A shorter interval on a common line is none. [mm; > 0; M 2026-11 fetal brain]
+constexpr double least_interval_mm = 0.001;
+// Across a contour that runs along its line, places count as this sine away. [1, sine; 0 to 1; M 2026-11, set
+// not recorded]
+constexpr double least_sine_across = 0.01;
 
 // A shared point to be put into a contour: at its point `after`, or behind it.
 struct Insertion {
@@ -102,7 +109,7 @@ class SharedPointInsertion {
     bool is_beyond(std::size_t p) const {
         const EndpointGroups::Member& member = groups_.members[p];
         const double distance = length(groups_.target[member.group] - ends_.places[p].at);
-        return distance * std::max(member.sine, 0.01) > snap_mm;
+        return distance * std::max(member.sine, least_sine_across) > joining_mm;
     }
 
     // Points that not all places come to are the mean of those that do.

@@ -15,10 +15,13 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double beside_mm = 0.05;        // as far as points may lie off their plane
-constexpr std::size_t least_planes = 5;   // fewer are no scan about an axis
-constexpr std::uint32_t most_firsts = 3;  // slices that are paired with all others to find the axis
-constexpr double least_sine = 0.01;       // between two planes that tell where the axis is
+// Fewer planes are no scan about an axis. [planes; >= 3; M 2026-11, set not recorded]
+constexpr std::size_t least_planes = 5;
+// So many slices are paired with all others to find the axis: one of three is on it where most are. [slices;
+// >= 1; B]
+constexpr std::uint32_t most_firsts = 3;
+// Two planes at a smaller angle do not fix where the axis is. [1, sine; 0 to 1; M 2026-11, set not recorded]
+constexpr double least_axis_sine = 0.01;
 
 // A straight line between two points, as far as contours reach along it.
 struct AxisSegment {
@@ -28,14 +31,14 @@ struct AxisSegment {
 
 bool runs_through(const Plane& plane, const AxisSegment& axis) {
     return std::all_of(axis.ends.begin(), axis.ends.end(),
-                       [&](Vec3 p) { return std::abs(plane.signed_distance(p)) <= beside_mm; });
+                       [&](Vec3 p) { return std::abs(plane.signed_distance(p)) <= rounded_plane_mm; });
 }
 
 // As far as the box of all contours reaches along it.
 std::optional<AxisSegment> common_line(const Box3& box, const Plane& p, const Plane& q) {
     const Vec3 way = cross(p.normal, q.normal);
     const double sine = length(way);
-    if (sine < least_sine) return std::nullopt;
+    if (sine < least_axis_sine) return std::nullopt;
     // The point of both planes that is nearest to p's origin.
     const Vec3 across = cross(way, p.normal);
     const Vec3 at = p.origin - (q.signed_distance(p.origin) / dot(across, q.normal)) * across;
@@ -110,7 +113,7 @@ Plane through(const Plane& plane, const AxisSegment& axis) {
 bool keeps_points(const ContourSet& set, const Slice& slice, const Plane& plane) {
     for (const Contour& contour : set.contours_of(slice)) {
         for (const Vec3& p : set.points_of(contour))
-            if (std::abs(plane.signed_distance(p)) > beside_mm) return false;
+            if (std::abs(plane.signed_distance(p)) > rounded_plane_mm) return false;
     }
     return true;
 }

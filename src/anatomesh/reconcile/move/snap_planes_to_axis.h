@@ -7,6 +7,10 @@
 
 namespace anatomesh {
 
+// Planes about an axis, fitted to points of a text of few decimals, pass their axis within this distance.
+// [mm; > 0; M 2026-11 ellipsoid of 36 planes rounded to 0.01 mm]
+inline constexpr double rounded_plane_mm = 0.05;
+
 struct PlaneSnappingStats {
     std::uint32_t about_axis = 0;  // planes that were led through one axis
     std::uint64_t points = 0;      // put onto their planes

@@ -18,9 +18,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_passes = 4;
-constexpr double nearly_touching = 0.5;  // of the distance kept
-constexpr double in_plane_mm = 10 * line_in_plane_mm;
+constexpr int most_passes = 4;  // [passes; >= 1; B]
+// Contours nearer than this share of the clearance nearly touch. [1; 0 to 1; M 2026-11 69 random sets about
+// an axis]
+constexpr double nearly_touching = 0.5;
 
 // A point of a contour as it is worked on.
 struct Point {
@@ -134,7 +135,8 @@ class SliceClearance {
 
     bool lies_in_another_plane(Vec3 p) const {
         for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
-            if (s != slice_ && std::abs(set_.slices[s].plane.signed_distance(p)) <= in_plane_mm) return true;
+            if (s != slice_ && std::abs(set_.slices[s].plane.signed_distance(p)) <= beside_plane_mm)
+                return true;
         }
         return false;
     }

@@ -17,14 +17,21 @@ namespace {
 // A stretch is narrow when its ends are nearer to each other than this share of its length, and it bounds
 // less than this share of its length's square (a circle: 0.08). What was nearly so when drawn is the
 // drawing's.
+// [1; 0 to 1; M 2026-11 fetal brain]
 constexpr double narrow_gap = 0.25, narrow_area = 0.045;
 constexpr double drawn_gap = 0.35, drawn_area = 0.06;
 // A corner sharper than the one, of a point that was drawn blunter than the other, is a spike.
+// [degrees; 0 to 180; M 2026-11 fetal brain]
 constexpr double sharp_degrees = 75, blunt_degrees = 100;
-constexpr double needle_degrees = 15;  // sharper ones bound next to nothing
-constexpr double pulled_share = 0.5;   // of its height that the movement made
-constexpr double lowest_mm = 0.1;      // of a spike that is more than a kink
-constexpr double least_move_mm = 0.5;  // of a point of a contour: else nothing was folded
+// A sharper corner bounds next to nothing and is cut off wherever it is. [degrees; 0 to sharp_degrees; M
+// 2026-11, set not recorded]
+constexpr double needle_degrees = 15;
+// The movement made at least this share of the height of a spike. [1; 0 to 1; M 2026-11, set not recorded]
+constexpr double pulled_share = 0.5;
+// A lower spike is a kink, whose height says nothing. [mm; >= 0; M 2026-11, set not recorded]
+constexpr double lowest_mm = 0.1;
+// Where no point of a contour moved further, nothing was folded. [mm; >= 0; M 2026-11 fetal brain]
+constexpr double least_move_mm = 0.5;
 
 struct RingPoint {
     Vec3 at;

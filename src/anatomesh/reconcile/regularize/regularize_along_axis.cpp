@@ -10,20 +10,22 @@
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
 #include "anatomesh/reconcile/move/reindex_points.h"
+#include "anatomesh/reconcile/regularize/axis_limits.h"
+#include "anatomesh/slices/lines/arc.h"
 #include "anatomesh/slices/lines/line_intervals.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t planes_at_line = 4;
-constexpr double same_axis_sine = 1e-6;  // of a common line's directions
-constexpr double same_line_mm = 10 * line_in_plane_mm;
-constexpr double steepest = 1.732;                // of a flank, height over length: 60 degrees
-constexpr double widest_flank_gap_degrees = 150;  // between the half planes beside one
-constexpr double reach = 4;                       // radii: what is further from the line counts as so far
-constexpr double least_share = 0.1;               // of its distance from the line: less is no movement
-constexpr int most_steps = 50;
+// What is further from the line than so many radii counts as being that far. [radii; > 1; M 2026-11, set not
+// recorded]
+constexpr double reach_radii = 4;
+// A shift by a smaller share of the distance from the line is not worth a change. [1; 0 to 1; M 2026-11, set
+// not recorded]
+constexpr double least_shift_share = 0.1;
+// Shares of a segment that differ by less are one place. [1; > 0; D]
+constexpr double same_share = 1e-9;
 
 double radians(double degrees) {
     return degrees * std::numbers::pi / 180;
@@ -54,10 +56,10 @@ std::vector<AxisOfPlanes> find_axes(const ContourSet& set) {
             for (std::uint32_t c = 0; c < count; ++c) {
                 const Plane& plane = set.slices[c].plane;
                 if (std::abs(dot(plane.normal, line.direction)) <= same_axis_sine &&
-                    std::abs(plane.signed_distance(line.origin)) <= same_line_mm)
+                    std::abs(plane.signed_distance(line.origin)) <= beside_plane_mm)
                     through.push_back(c);
             }
-            if (through.size() >= planes_at_line) axes.push_back({line, std::move(through)});
+            if (through.size() >= planes_at_axis) axes.push_back({line, std::move(through)});
         }
     }
     return axes;
@@ -128,7 +130,7 @@ class AxisRegularization {
     // Says whether anything was moved.
     bool run() {
         bool any = false;
-        for (int step = 0; step < most_steps; ++step) {
+        for (int step = 0; step < most_regularizing_steps; ++step) {
             std::vector<Move> moves;
             for (std::size_t h = 0; h < halves_.size(); ++h) find_moves(h, moves);
             if (moves.empty()) break;
@@ -160,7 +162,7 @@ class AxisRegularization {
             for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
                 const std::uint32_t next = point_after(contour, k);
                 const Vec2 a = place(half, k), b = place(half, next);
-                if (std::min(a.y, b.y) >= reach * options_.radius_mm || (a.y < 0 && b.y < 0)) continue;
+                if (std::min(a.y, b.y) >= reach_radii * options_.radius_mm || (a.y < 0 && b.y < 0)) continue;
                 const std::uint32_t low = vertex(k), high = vertex(next);
                 add_segment(half, low, high);
             }
@@ -176,8 +178,8 @@ class AxisRegularization {
         const AlongAxisPoint from = half.points[low], to = half.points[high];
         const Vec2 a{from.along, from.from_line}, b{to.along, to.from_line};
         const double radius = options_.radius_mm;
-        const bool is_flank = std::abs(b.y - a.y) <= steepest * std::abs(b.x - a.x) &&
-                              std::min(a.y, b.y) < radius && std::min(a.y, b.y) > -same_line_mm;
+        const bool is_flank = std::abs(b.y - a.y) <= steepest_along_line * std::abs(b.x - a.x) &&
+                              std::min(a.y, b.y) < radius && std::min(a.y, b.y) > -beside_plane_mm;
         if (!is_flank) {
             half.segments.push_back({low, high});
             return;
@@ -221,15 +223,15 @@ class AxisRegularization {
             return way < 0 ? way + 2 * std::numbers::pi : way;
         };
         const double back = gap(before, half), on = gap(half, after);
-        if (back + on > radians(widest_flank_gap_degrees)) return;
-        const double radius = options_.radius_mm, far = reach * radius;
+        if (back + on > radians(widest_gap_degrees)) return;
+        const double radius = options_.radius_mm, far = reach_radii * radius;
         for (const AlongAxisSegment& segment : half.segments) {
             const Vec2 way{half.points[segment.b].along - half.points[segment.a].along,
                            half.points[segment.b].from_line - half.points[segment.a].from_line};
             for (const std::uint32_t n : {segment.a, segment.b}) {
                 const AlongAxisPoint& point = half.points[n];
                 if (!point.may_move || point.from_line >= radius ||
-                    half.first_at(point.along, far) < point.from_line - same_line_mm)
+                    half.first_at(point.along, far) < point.from_line - beside_plane_mm)
                     continue;
                 const double p = before.first_at(point.along, far), q = after.first_at(point.along, far);
                 if (!(p > 0) || !(q > 0) || !is_sharp(point.from_line, way, p, back, q, on)) continue;
@@ -300,7 +302,7 @@ class AlongAxisRegularization {
                 const double without = point.share > 0
                                            ? low.from_line + point.share * (high.from_line - low.from_line)
                                            : point.drawn_from_line;
-                if (!(std::abs(point.from_line - without) >= least_share * without)) continue;
+                if (!(std::abs(point.from_line - without) >= least_shift_share * without)) continue;
                 const Vec3 way = (point.from_line - point.drawn_from_line) * half.outward;
                 if (length(way) > options_.most_moved_mm) continue;
                 if (point.share > 0) {
@@ -325,7 +327,6 @@ class AlongAxisRegularization {
         const auto [low, high] = graph_.segments[segment];
         const double share = graph_.node_of_point[point.point] == low ? point.share : 1 - point.share;
         std::vector<InsertedAlongAxis>& all = put_in_[segment];
-        constexpr double same_share = 1e-9;
         if (std::any_of(all.begin(), all.end(), [&](const InsertedAlongAxis& put) {
                 return std::abs(put.share - share) < same_share;
             }))

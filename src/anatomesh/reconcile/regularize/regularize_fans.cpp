@@ -14,22 +14,31 @@
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
 #include "anatomesh/reconcile/move/reindex_points.h"
+#include "anatomesh/reconcile/regularize/axis_limits.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t planes_at_pole = 4;
-constexpr double same_line_sine = 1e-6;     // of a common line's directions: planes as files give them
-constexpr double least_across = 0.1;        // of a way's direction across the line: else it runs along it
-constexpr double no_half_plane = 0.01;      // of a leg's: which of the two it lies in is not known
-constexpr double widest_gap_degrees = 150;  // between the neighbours of a leg
-constexpr double share_of_way = 1.0 / 3;    // to the next point that must stay
-constexpr double least_radius = 0.02;       // of that asked for: less is no room for a vertex
-constexpr double short_way = 0.5;           // of the radius: a leg with less room is no bound to the others
-constexpr double vertex_near = 1.3;         // of the radius: a vertex there is the leg's end
-constexpr double least_turn_degrees = 3;    // a leg that turns by less stays as it is
-constexpr int most_turns = 50;
+// A direction with a smaller share across the line runs along it. [1, sine; 0 to 1; M 2026-11, set not
+// recorded]
+constexpr double least_across = 0.1;
+// With a smaller share across the line it is not known in which half plane a leg lies. [1, sine; 0 to 1; M
+// 2026-11, set not recorded]
+constexpr double no_half_plane = 0.01;
+// A leg is turned up to this share of the way to the next point that must stay. [1; 0 to 0.5; M 2026-11, set
+// not recorded]
+constexpr double share_of_way = 1.0 / 3;
+// A smaller share of the radius asked for leaves no room for a vertex. [1; 0 to 1; M 2026-11, set not
+// recorded]
+constexpr double least_radius_share = 0.02;
+// A leg with room for a smaller share of the radius is no bound to the others. [1; 0 to 1; M 2026-11, set not
+// recorded]
+constexpr double short_leg_share = 0.5;
+// A vertex up to so many radii away is the leg's end. [radii; >= 1; M 2026-11, set not recorded]
+constexpr double vertex_near = 1.3;
+// A leg that would turn by less stays as it is. [degrees; >= 0; M 2026-11, set not recorded]
+constexpr double least_turn_degrees = 3;
 
 double degrees(double radians) {
     return radians * 180 / std::numbers::pi;
@@ -96,7 +105,7 @@ class FanRegularization {
         std::vector<std::uint32_t> slices;
         for (const Visit& visit : visits) slices.push_back(visit.slice);
         sort_distinct(slices);
-        if (slices.size() < planes_at_pole) return {};
+        if (slices.size() < planes_at_axis) return {};
         const Vec3 first = set_.slices[slices.front()].plane.normal;
         Vec3 line;
         for (const std::uint32_t slice : slices) {
@@ -106,17 +115,17 @@ class FanRegularization {
         if (!(squared_length(line) > 0)) return {};
         line = normalized(line);
         for (const std::uint32_t slice : slices) {
-            if (std::abs(dot(line, set_.slices[slice].plane.normal)) > same_line_sine) return {};
+            if (std::abs(dot(line, set_.slices[slice].plane.normal)) > same_axis_sine) return {};
         }
         return line;
     }
 
     void regularize(std::span<const Visit> visits) {
-        if (visits.size() < planes_at_pole) return;
+        if (visits.size() < planes_at_axis) return;
         const std::optional<Vec3> line = common_line(visits);
         if (!line) return;
         const double radius = radius_at(visits);
-        if (!(radius >= least_radius * options_.radius_mm)) return;
+        if (!(radius >= least_radius_share * options_.radius_mm)) return;
         const std::size_t before = ways_.size();
         for (std::size_t first = 0; first < visits.size();) {
             std::size_t last = first;
@@ -176,7 +185,7 @@ class FanRegularization {
             for (const bool forward : {false, true}) {
                 const double room = room_of(visit, forward);
                 least = std::min(least, room);
-                if (room < short_way * options_.radius_mm) continue;
+                if (room < short_leg_share * options_.radius_mm) continue;
                 radius = std::min(radius, room);
                 ++with_room;
             }
@@ -210,7 +219,7 @@ class FanRegularization {
                 fan.push_back(std::move(leg));
             }
         }
-        if (fan.size() < 2 * planes_at_pole) return {};
+        if (fan.size() < 2 * planes_at_axis) return {};
         std::sort(fan.begin(), fan.end(), [](const Leg& p, const Leg& q) { return p.azimuth < q.azimuth; });
         for (std::size_t n = 0; n < fan.size(); ++n) {
             const Leg& other = fan[(n + 1) % fan.size()];
@@ -283,7 +292,7 @@ class FanRegularization {
         const std::size_t n = fan.size();
         std::vector<Vec3> ways(n);
         bool turned = turn_steep(fan);
-        for (int step = 0; step < most_turns; ++step) {
+        for (int step = 0; step < most_regularizing_steps; ++step) {
             for (std::size_t k = 0; k < n; ++k) ways[k] = direction(fan[k], line);
             if (!is_sharp(ways, options_.least_degrees)) break;
             turned = true;

@@ -17,9 +17,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double sliver_width_mm = 1e-3;
-constexpr std::size_t most_edges = 20'000'000;
-
 bool less(Vec3 a, Vec3 b) {
     return lexicographic_less(a, b);
 }
@@ -96,7 +93,7 @@ class EditedFaces {
         }
         for (const std::vector<Vec3>& region : edit_.regions)
             rings.push_back(make_ring(region, slice.plane, static_cast<std::uint32_t>(rings.size())));
-        graph_ = arrange(rings, slice.plane, most_edges);
+        graph_ = arrange(rings, slice.plane, most_arrangement_edges);
         return graph_.has_value();
     }
 

@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "anatomesh/reconcile/move/snap_planes_to_axis.h"
+
 namespace anatomesh {
 
 namespace {
 
-// Planes about an axis as files give them, rounded, meet in lines this near to each other.
-constexpr double same_place_mm = 0.05, same_direction_sine = 1e-3;
+// Lines in which rounded planes about an axis meet pairwise differ in direction by less. [1; 0 to 1; M
+// 2026-11, set not recorded]
+constexpr double same_direction_sine = 1e-3;
 
 bool runs_by(const Line& line, const Line& other, Vec3 place) {
     return length(cross(line.direction, other.direction)) <= same_direction_sine &&
-           length(line.at(line.along(place)) - place) <= same_place_mm;
+           length(line.at(line.along(place)) - place) <= rounded_plane_mm;
 }
 
 bool is_inside(const std::vector<IntervalEndpoint>& ends, double t) {

@@ -11,8 +11,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double steepest = 1.732;  // height over length: 60 degrees
-
 // A contour in coordinates along the line and across it.
 class FromLine {
   public:
@@ -25,7 +23,7 @@ class FromLine {
     double along(std::uint32_t point) const { return line_.along(set_.points[point]); }
     double height(std::uint32_t point) const { return other_.signed_distance(set_.points[point]) / sine_; }
     bool is_steep(std::uint32_t from, std::uint32_t to) const {
-        return std::abs(height(to) - height(from)) > steepest * std::abs(along(to) - along(from));
+        return std::abs(height(to) - height(from)) > steepest_along_line * std::abs(along(to) - along(from));
     }
     Vec2 away_from(double side) const { return (-side / sine_) * across_; }
 

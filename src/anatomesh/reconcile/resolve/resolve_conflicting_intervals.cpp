@@ -16,12 +16,20 @@ namespace anatomesh {
 
 namespace {
 
+// Each try compares all slices anew. [1; > 0; B]
 constexpr std::size_t most_edits = 200, most_tries = 1000;
-constexpr double most_times = 3;  // a change may be larger than the piece, or the clearance: a spike
-// Shorter ones are left: contours would get segments as short, and cells of that size.
+// A change that is more times larger than its interval, or than the clearance, would make a spike.
+// [1; >= 1; M 2026-11 140 random sets with stacks]
+constexpr double most_times = 3;
+// Shorter intervals are left: contours would get segments as short, and cells of that size.
+// [mm; > 0; M 2026-11 140 random sets with stacks]
 constexpr double least_interval_length_mm = 0.01;
-constexpr double least_gain = 0.5;           // of the piece: by so much slices have to differ less
-constexpr double least_difference_mm = 0.1;  // on a line, of slices that contradict each other
+// By this share of an interval slices have to differ less after a change. [1; 0 to 1; M 2026-11 140 random
+// sets with stacks]
+constexpr double least_edit_gain = 0.5;
+// Slices that differ by less on their line do not contradict each other. [mm; > 0; M 2026-11 140 random sets
+// with stacks]
+constexpr double least_difference_mm = 0.1;
 
 // Where on a line a piece begins or ends.
 struct IntervalEnd {
@@ -268,7 +276,7 @@ class IntervalResolution {
             if (++tries_ > most_tries || context_.cancelled()) return false;
             const ContourSet changed = with_edited(set_, edit.slice, edit.rings);
             std::vector<LineComparison> after = compare_(changed);
-            if (total_difference_mm(after) > left - least_gain * interval.length_mm()) continue;
+            if (total_difference_mm(after) > left - least_edit_gain * interval.length_mm()) continue;
             const bool parts = edit.rings.size() != set_.slices[edit.slice].contour_count;
             carry_drawn(changed);
             set_ = changed;

@@ -8,6 +8,10 @@
 
 namespace anatomesh {
 
+// A contour runs along a line as long as it is not steeper than this, height over length: 60 degrees.
+// [1; > 0; M 2026-11, set not recorded]
+inline constexpr double steepest_along_line = 1.732;
+
 // The part of a contour between two ends, on one side of the other slice's plane.
 struct Arc {
     std::vector<std::uint32_t> points;  // of the set, in order; empty: there is no such part

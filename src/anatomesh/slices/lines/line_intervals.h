@@ -14,8 +14,10 @@
 
 namespace anatomesh {
 
-// Distances from a plane below this are rounding: the point lies on the plane, mm.
+// Distances from a plane below this are rounding: the point lies on the plane. [mm; > 0; D]
 inline constexpr double line_in_plane_mm = 1e-7;
+// What was computed from such points lies on the plane if it is nearer than this. [mm; > 0; D]
+inline constexpr double beside_plane_mm = 10 * line_in_plane_mm;
 
 struct Line {
     Vec3 origin, direction;  // unit direction
