@@ -19,8 +19,8 @@ constexpr double most_shared = 0.1;
 // recorded]
 constexpr double most_across = 0.02;
 
-// Rules 3, 4 and 6 of give_overlaps(). A slice between the structure's own that draws the outer one alone
-// takes the room from it that it has between its slices; then only its whole drawing counts.
+// Decides by rules 3, 4 and 6 of give_overlaps(). A slice between the structure's own that draws the outer
+// one alone takes the room from it that it has between its slices; then only its whole drawing counts.
 bool lies_in(std::uint32_t s, std::uint32_t outer, const Relations& relations,
              const std::vector<std::uint32_t>& rank) {
     const Relation &here = relations.of(s, outer), &whole = relations.of(s, s);
@@ -46,7 +46,8 @@ std::vector<Box3> boxes_of(const ContourSet& set) {
     return boxes;
 }
 
-// One slice: what it draws of a structure, and of another one what `beside` draws, moved onto its plane.
+// Returns one slice with what it draws of a structure and what slice `beside` draws of another one, moved
+// onto its plane.
 ContourSet together(const ContourSet& set, std::uint32_t slice, std::uint32_t structure, std::uint32_t beside,
                     std::uint32_t other) {
     ContourSet both;
@@ -125,7 +126,7 @@ void relate_between(const ContourSet& set, const std::vector<std::uint32_t>& ran
 std::vector<std::uint32_t> levels_of(const Relations& relations, const std::vector<std::uint32_t>& rank) {
     std::vector<std::uint32_t> by_rank(rank.size()), level(rank.size(), 0);
     for (std::uint32_t s = 0; s < rank.size(); ++s) by_rank[rank[s]] = s;
-    // Those that others may lie in come last.
+    // The levels of what a structure may lie in are needed first; it comes later in the order.
     for (std::size_t n = by_rank.size(); n-- > 0;) {
         const std::uint32_t s = by_rank[n];
         for (std::size_t m = n + 1; m < by_rank.size(); ++m) {

@@ -14,9 +14,9 @@ namespace anatomesh {
 // one. O(slices * structures^2).
 void note_alone(const ContourSet& set, Relations& relations);
 
-// Fills the relations of structures that no slice draws together: each contour of one counts half on the next
-// slice of the other below it, and half on that above it. Requires: parallel slices, in order. Complexity:
-// that of a SlicePartition for each such slice of two structures whose boxes overlap.
+// Fills the relations of structures that no slice draws together. Each contour of one counts half on the
+// next slice of the other below it, and half on the one above it. Requires: parallel slices, in order.
+// Complexity: that of a SlicePartition for each such slice of two structures whose boxes overlap.
 void relate_between(const ContourSet& set, const std::vector<std::uint32_t>& rank, Relations& relations);
 
 // By structure, how many others it lies in, one in another. A structure lies in another one by rules 3, 4 and

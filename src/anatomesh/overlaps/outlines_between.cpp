@@ -26,21 +26,22 @@ namespace anatomesh {
 
 namespace {
 
-// A step of the lattice is at most the first share of the mean distance of drawn vertices, and the second
-// share of the mean length of a contour, which may have few vertices. [1; 0 to 1; M 2026-11 random solids]
+// A step of the lattice is at most this share of the mean distance of drawn vertices. It is also at most
+// the second share of the mean length of a contour, which may have few vertices. [1; 0 to 1; M 2026-11
+// random solids]
 constexpr double lattice_share = 0.5, contour_share = 1.0 / 96;
 // Vertices are left out where the outline moves by this share of a step at most. [1; 0 to 1; M 2026-11, set
 // not recorded]
 constexpr double most_moved_steps = 0.05;
 
-// The set as if no slice told what it does not draw.
+// Returns the set as if a missing contour did not mean that a structure is absent.
 ContourSet not_exclusive(ContourSet set) {
     set.exclusive = false;
     set.overlapping = nullptr;
     return set;
 }
 
-// Slices between the structure's own that say nothing of it.
+// Finds the slices between the structure's own that say nothing of it.
 std::vector<std::uint32_t> find_unknown_slices(const ContourSet& set, std::uint32_t structure,
                                                const std::vector<bool>& covers) {
     std::vector<std::uint32_t> drawn, unknown_slices;
@@ -64,15 +65,15 @@ bool has_unknown_slices(const ContourSet& set) {
     return false;
 }
 
-// Whether a structure of a level goes on through slices that draw one which comes after it, and not it: there
-// it would cut what is drawn.
+// Returns whether a structure of a level goes on through slices that draw only a structure after it in the
+// order. There it would cut what is drawn.
 bool cuts_what_is_drawn(const OverlappingContours& all, std::size_t level) {
     const ContourSet plain = not_exclusive(all.levels[level]);
     if (!plain.drawn || !is_parallel(plain)) return false;
     const auto rank = [&](std::int32_t number) {
         return std::find(all.order.begin(), all.order.end(), number) - all.order.begin();
     };
-    // Slices of the whole, and the numbers of what they draw in other levels.
+    // These are slices of the whole set, with the numbers of what they draw in other levels.
     std::map<std::uint32_t, std::vector<std::int32_t>> drawn;
     for (std::size_t n = 0; n < all.levels.size(); ++n) {
         for (const Contour& contour : all.levels[n].contours) {
@@ -109,7 +110,7 @@ double lattice_step(const ContourSet& set) {
     return std::min(lattice_share * edge, contour_share * edge * points / contours);
 }
 
-// The loops that bound the region, from their lexicographically smallest vertex on.
+// Returns the loops that bound the region; each begins at its lexicographically smallest vertex.
 std::vector<std::vector<Vec3>> loops_of(const std::vector<Edge2>& edges, const Plane& plane) {
     std::map<std::pair<double, double>, std::uint32_t> index;
     std::vector<Vec2> at;
@@ -146,7 +147,7 @@ class Outlines {
     Outlines(const ContourSet& set, const FieldOptions& options, RunContext& context)
         : set_(set), options_(options), context_(context) {}
 
-    // Those of a structure on slices that say nothing about it, on all slices of the set.
+    // Returns the outlines of a structure on slices that say nothing about it, in a set of all slices.
     Result<ContourSet> of(std::uint32_t structure, const std::vector<std::uint32_t>& unknown_slices) const {
         std::vector<std::uint32_t> own;
         for (std::uint32_t k = 0; k < set_.slices.size(); ++k) {
@@ -175,7 +176,7 @@ class Outlines {
     }
 
   private:
-    // Those of the slices between two that a part of the structure goes on from and to; not beyond its ends.
+    // Returns the slices that lie within a part of the structure, and not beyond its ends.
     std::vector<std::uint32_t> within_parts(const ContourSet& alone,
                                             const std::vector<std::uint32_t>& slices) const {
         const Plane& frame = set_.slices.front().plane;
@@ -227,7 +228,8 @@ class Outlines {
     RunContext& context_;
 };
 
-// The contours of the set and, on slices without any of a structure, those of `outlines`, by structure.
+// Fills `all` with the contours of the set and, on slices without any of a structure, with those of
+// `outlines`, by structure.
 void put_together(const ContourSet& set, const std::vector<ContourSet>& outlines, ContourSet& all) {
     all.contours.clear();
     all.points.clear();
@@ -253,7 +255,8 @@ void put_together(const ContourSet& set, const std::vector<ContourSet>& outlines
     }
 }
 
-// The slices of `set` as those of `marked` say which of their outlines were not drawn: `from[k]` of these.
+// Marks which outlines of `set` were not drawn, as `marked` has it: its slice `from[k]` is slice k of
+// `set`.
 void mark(ContourSet& set, const ContourSet& marked, const std::vector<std::uint32_t>& from) {
     for (std::uint32_t k = 0; k < set.slices.size(); ++k)
         set.slices[k].interpolated = marked.slices[from[k]].interpolated;
@@ -317,7 +320,7 @@ Result<PriorityResult> part_structures(const ContourSet& set, const std::vector<
     if (!has_interpolated(whole)) return result;
     context.warnings.resize(warnings);
     ANATOMESH_TRY(result, give_overlaps(whole, order, context));
-    // Planes so near that they became one are marked no longer: what was interpolated counts as drawn.
+    // Planes so near that they became one are no longer marked: what was interpolated counts as drawn.
     if (result.kept.slices.size() == whole.slices.size()) mark_all(result.kept, whole);
     warn_of_outlines(whole, context);
     return result;

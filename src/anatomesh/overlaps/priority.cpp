@@ -28,12 +28,12 @@ bool are_one(const Plane& p, const Plane& q) {
     return length(p.normal - q.normal) < same_normal && std::abs(p.signed_distance(q.origin)) < same_plane_mm;
 }
 
-// By structure, of the slices that draw it.
+// Returns, by structure, the mean area on the slices that draw it.
 std::vector<double> mean_areas(const ContourSet& set) {
     std::vector<double> areas(set.structures.size(), 0);
     std::vector<std::uint32_t> slices(set.structures.size(), 0), last(set.structures.size(), no_slice);
     for (const Contour& contour : set.contours) {
-        // Those of a slice come one after the other.
+        // Contours of a slice come one after the other.
         slices[contour.structure] += last[contour.structure] != contour.slice;
         last[contour.structure] = contour.slice;
         const std::span<const Vec3> points = set.points_of(contour);
@@ -46,7 +46,7 @@ std::vector<double> mean_areas(const ContourSet& set) {
     return areas;
 }
 
-// All structures, those of `order` first.
+// Returns all structures, with those of `order` first.
 std::vector<std::uint32_t> whole_order(const std::vector<std::uint32_t>& order, const ContourSet& set) {
     const std::vector<double> areas = mean_areas(set);
     std::vector<std::uint32_t> all = order;
@@ -58,7 +58,8 @@ std::vector<std::uint32_t> whole_order(const std::vector<std::uint32_t>& order, 
     return all;
 }
 
-// The slices of `part` among those of `whole`, of which it has some, in the same order; the others empty.
+// Returns `part` with all slices of `whole`, of which it has some in the same order; its other slices are
+// empty.
 ContourSet on_all_slices(const ContourSet& part, const ContourSet& whole) {
     ContourSet all = part;
     all.slices.clear();
@@ -81,7 +82,8 @@ ContourSet on_all_slices(const ContourSet& part, const ContourSet& whole) {
     return next == part.slices.size() ? all : part;
 }
 
-// The slices that say something about any of the structures: all, unless they have slices of their own.
+// Returns the slices that say something about any of the structures: all slices, unless the structures
+// have slices of their own.
 std::vector<std::uint32_t> slices_of(const ContourSet& set, const std::vector<std::uint32_t>& structures) {
     std::vector<std::uint32_t> all(set.slices.size()), drawn;
     std::iota(all.begin(), all.end(), 0u);
@@ -118,14 +120,14 @@ std::vector<std::uint32_t> of_level(const std::vector<std::uint32_t>& level_of, 
     return structures;
 }
 
-// Nothing where no structure lies in another one.
+// Returns nothing where no structure lies in another one.
 Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
     const ContourSet& set, const std::vector<std::uint32_t>& rank, Relations& relations,
     const RunContext& context) {
     const std::size_t count = set.structures.size();
     std::vector<std::uint32_t> level_of = levels_of(relations, rank);
-    // Of structures with walls between them every slice tells, unless they have slices of their own together;
-    // else those of one's own help none.
+    // Every slice says something of structures with walls between them, unless they have slices of their
+    // own together. Otherwise slices of one's own help none.
     for (std::uint32_t level = 0; level < count; ++level) {
         const std::vector<std::uint32_t> own = of_level(level_of, level);
         if (have_walls(set, own, relations) && slices_of(set, own).size() == set.slices.size())
@@ -156,7 +158,8 @@ Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
             if (part.slices.size() != set.slices.size())  // planes so near that they became one
                 return std::shared_ptr<const OverlappingContours>();
         }
-        // Those apart need not be told to be: each goes on through slices that draw others alone.
+        // Structures that are apart need not exclude each other: each goes on through slices that draw
+        // others alone.
         part.exclusive = have_walls(set, own, relations);
         overlapping.slices.push_back(slices_of(set, part.exclusive ? own : std::vector<std::uint32_t>{}));
         if (overlapping.slices.back().size() < set.slices.size())
@@ -197,7 +200,8 @@ Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std:
     }
     const std::size_t warnings = context.warnings.size();
     ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, {}, context));
-    // Structures without contours: those that gave all.
+    // W-CON-001 names structures without contours. Here they are those that lost everything, which
+    // W-PRI-001 names.
     context.warnings.erase(std::remove_if(context.warnings.begin() + static_cast<std::ptrdiff_t>(warnings),
                                           context.warnings.end(),
                                           [](const Warning& warning) { return warning.code == "W-CON-001"; }),

@@ -1,4 +1,4 @@
-// give_overlaps: where structures overlap, the one that comes first keeps what both have.
+// give_overlaps: where structures overlap, the one that comes first in an order keeps the common part.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace anatomesh {
 
-// What a structure had to give to others, over all slices.
+// What a structure lost to others, over all slices.
 struct GivenOverlap {
     double area_mm2 = 0;       // of its drawn regions
     std::uint32_t slices = 0;  // on which it gave something
@@ -29,10 +29,10 @@ struct PriorityResult {
 //  2. Structures that `order` does not name come after all others. Of these, those drawn smaller on their
 //     slices, in the mean, come first, and alike ones by index. So what is drawn in a body's outline stays
 //     when the body is not named, and a thin structure stays whole.
-//  3. A structure *lies in* a larger one that comes after it if half of its area or more is in it: a chamber
-//     in its wall, a tumour in its organ. Then what was drawn stays beside, by levels of nesting. Of two
-//     outlines that move from slice to slice each tells where it goes; what is left between them may not meet
-//     itself again on the next slice.
+//  3. A structure *lies in* a larger one that comes after it if half of its area or more is in it. So a
+//     chamber lies in its wall, and a tumour in its organ. Then what was drawn stays beside, by levels of
+//     nesting. Of two outlines that move from slice to slice each tells where it goes; what is left between
+//     them may not meet itself again on the next slice.
 //  4. Of the outline of what lies in another one, 10 % at most may run along the other's. Where more does,
 //     both surfaces would be one there, and what is between them spurious components.
 //  5. No structure may give more than 2 % of its area to one of another level that does not lie in it. What

@@ -96,7 +96,7 @@ SlicePartition::Face SlicePartition::face_of(const Winding& winding) const {
         if (turns.turns % 2 == 0) continue;
         const std::uint32_t structure = structures_[turns.ring];
         const auto found = std::find(face.drawn.begin(), face.drawn.end(), structure);
-        // Even-odd: a hole takes away what the contour around it draws.
+        // By the even-odd rule a hole takes away what the contour around it draws.
         if (found == face.drawn.end()) {
             face.drawn.push_back(structure);
         } else {

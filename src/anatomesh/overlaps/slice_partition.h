@@ -23,9 +23,9 @@ class SlicePartition {
     // Makes the faces; false where the contours cross too often. O((n + k) log n), k crossings.
     bool arrange_contours();
 
-    // Adds the outlines of what belongs to a structure to `raw`, in the plane of that number, and returns how
-    // much of its drawn area does not belong to it, mm^2. Loops narrower than 1e-3 mm are left out. Requires:
-    // arrange_contours(). O(n log n).
+    // Adds the outlines of what belongs to a structure to `raw`, in the plane of that number. Returns how
+    // much of the structure's drawn area does not belong to it, mm^2. Loops narrower than 1e-3 mm are left
+    // out. Requires: arrange_contours(). O(n log n).
     double add_region(std::uint32_t structure, std::int32_t plane, RawContours& raw) const;
 
     // Adds this slice's areas and lengths to those of the structures' relations. Requires:

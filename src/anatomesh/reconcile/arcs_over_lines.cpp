@@ -16,7 +16,7 @@ namespace {
 // not recorded]
 constexpr double failed_share = 0.5;
 
-// An arc of a slice that would have to come over the line for the slice to have what the other one has.
+// This arc of a slice has to come over the line for the slice to have what the other one has.
 struct LackingArc {
     std::uint32_t slice = 0;
     NearestArc arc;
@@ -26,7 +26,8 @@ ComparisonKey key_of(const LineComparison& comparison) {
     return {comparison.a, comparison.b, comparison.structure};
 }
 
-// Whether no point of the arc comes further from where it was drawn than the bound, as it is taken over.
+// Returns whether no point of the arc comes further from where it was drawn than the bound when it is
+// taken over.
 bool is_within_bound(const ReconcileState& state, const ReconcileScope& scope, std::uint32_t slice,
                      const NearestArc& arc) {
     const double bound = scope.options.max_disagreement_mm;

@@ -28,10 +28,10 @@ struct ArcsOverLines {
     std::vector<ComparisonKey> given_up{};  // rising: those in which an earlier repetition failed
 };
 
-// Pins the arcs of the slices of a comparison that have to come over the line, and notes them as taken. An
-// arc has to where one slice has an interval that the other one lacks, most of the slices through the line
-// have it too, and no point of the arc would have to move further than the bound. Returns whether there was
-// one. Complexity: O(points of the slices' contours) an interval.
+// Pins the arcs of a comparison's slices that have to come over the line, and notes them as taken. An arc
+// has to if one slice has an interval that the other one lacks, and most slices through the line have it
+// too. An arc stays where a point of it would have to move further than the bound. Returns whether there
+// was one. Complexity: O(points of the slices' contours) an interval.
 bool pin_arcs_over_line(const ReconcileState& state, const ReconcileScope& scope,
                         const LineComparison& comparison, const LineVotes& votes, const ContourGraph& graph,
                         std::vector<MovementNode>& nodes, ArcsOverLines& arcs);

@@ -34,8 +34,8 @@ constexpr double apart_share = 0.5;
 // [distances; > 0; M 2026-11 a heart]
 constexpr double parted_share = 2;
 
-// The state with common points once more, of contours that were changed; `before` where slices would agree
-// less than they did then, by `left`. The state is compared.
+// Returns the state with common points put in once more, after contours changed. Returns `before` where
+// slices would agree less than `left`. Requires: the state is compared.
 ReconcileState with_common_points(ReconcileState state, const ReconcileState& before, double left,
                                   const ReconcileScope& scope, RunContext& context) {
     const ContourSet without = state.set;
@@ -69,8 +69,8 @@ ReconcileState with_flanks_regularized(ReconcileState state, const AlongAxisOpti
                               context);
 }
 
-// Lets `conflate` lead contours through each other's vertices, and gives its figures to `stats`; it returns
-// the figures of what it did. Taken back where slices would agree less, or a vertex would be further from
+// Lets `conflate` lead contours through each other's vertices, and gives the figures that it returns to
+// `stats`. The change is taken back where slices would agree less, or where a vertex would be further from
 // where it was drawn than it may.
 template <class Conflate>
 ReconcileState conflated(ReconcileState state, ConflationStats ReconcileStats::*stats, Conflate&& conflate,

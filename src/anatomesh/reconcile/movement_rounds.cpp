@@ -18,7 +18,7 @@ constexpr int most_idle_rounds = 6;  // [rounds; >= 1; B]
 // recorded]
 constexpr double idle_share = 0.9;
 
-// What a round asks of the movement.
+// Holds what a round asks of the movement.
 struct MovementTask {
     std::vector<MovementNode> nodes;
     std::vector<MovementEdge> edges;

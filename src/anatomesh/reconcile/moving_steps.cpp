@@ -21,8 +21,8 @@ constexpr double least_repetition_gain = 0.2;
 // Ends of a fold are so many bounds apart at most, along the contour. [bounds; > 0; M 2026-11 fetal brain]
 constexpr double longest_fold_bounds = 4;
 
-// Cuts off folds and spikes. Where slices do not agree on their common line, cutting a spike off may move an
-// end there: those that would be further apart than without any spike keep theirs.
+// Cuts off folds and spikes. Where slices do not agree on their common line, cutting a spike off may move
+// an endpoint there. Slices that would be further apart than without any cut keep their spikes.
 FoldStats flatten(ReconcileState& state, const ReconcileScope& scope, const std::vector<MovedPoint>& moved,
                   RunContext& context) {
     const ContourSet with_folds = state.set;

@@ -5,8 +5,8 @@
 
 namespace anatomesh {
 
-// Moves contours in rounds (movement_rounds.h), puts common points in where slices agree then, and cuts off
-// the folds and spikes that the movement made, unless slices would agree less without them.
+// Moves contours in rounds (movement_rounds.h) and puts common points in where slices agree then. Folds
+// and spikes that the movement made are cut off, unless slices would agree less without them.
 ReconcileStep move_and_join;
 
 // Repeats that with vertices at just the places where slices still differ, which a movement can take to where

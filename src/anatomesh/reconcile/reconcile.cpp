@@ -21,7 +21,7 @@ struct NamedStep {
     bool ReconcileOptions::*asked_for_by;  // nullptr: done in any case
 };
 
-// All that reconciling does where slices cross, in this order.
+// These steps are done where slices cross, in this order.
 constexpr std::array steps{
     NamedStep{"align slices", align_rigidly, &ReconcileOptions::align},
     NamedStep{"lead contours along common lines", lead_along_lines, &ReconcileOptions::reconcile},

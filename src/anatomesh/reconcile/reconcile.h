@@ -1,4 +1,4 @@
-// reconcile_contours: slices that cross, drawn apart, are made to agree on their common lines.
+// reconcile_contours: slices that were drawn apart are made to agree on the lines in which they cross.
 #pragma once
 
 #include "anatomesh/base/run_context.h"
@@ -12,30 +12,33 @@ struct ReconcileResult {
     ReconcileStats stats;
 };
 
-// Finds, for all pairs of slices that cross, where their regions begin and end on the common line; ends
-// correspond to each other by the order-preserving matching of least cost. The contours are then moved in
-// their planes by the field of displacements d that makes corresponding ends equal and has the least integral
-// of |d|^2 + smoothing^2 |d'|^2 along all contours together, found by conjugate gradients in a few rounds; an
-// interval or gap that only one of two slices has is drawn back across the line when no point has to move
-// further than the bound. Then contours that agree get the end itself as a common vertex, and narrow folds
-// and spikes that the movement made are cut off (flatten_folds.h). Where slices still differ, all that is
-// repeated, as long as they differ by a fifth less, with vertices at just those ends; and once more for what
-// a slice lacks altogether though most of those through the line have it: the stretch of its contour nearest
-// to it is taken over the line (nearest_arc.h), if none of that has to move further than the bound. What
-// is left after that is settled by a small change of one of the two slices (resolve_conflicting_intervals.h).
-// Where four planes or more share a line, contours that rise and fall in turn beside it are turned
-// (regularize_fans.h). Slivers that are left between structures are closed, and what came to lie on one line
-// shares it. Of a structure that a slice leaves undrawn where others show it the slice says nothing
-// (undrawn_structures.h).
+// Makes slices agree where their planes cross, in the steps of the table in reconcile.cpp. On the common
+// line of two slices the region of a structure is a union of intervals; the endpoints of both are matched
+// in order, at least cost.
 //
-// Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
-// keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on
-// their common line afterwards (difference_after_mm of 0; all that can) have the same points there, bit for
-// bit. Where all ends agree within rounding no vertex moves. Parallel slices come back as they are. What
-// moved and what is left is said in stats and warnings W-RCN-001..013. Errors: geometry E-RCN-001 slices
-// further apart than the bound (names both), E-RCN-002 a shift above it, E-RCN-003 slices that still differ
-// when contours have moved as far as they may. The same at any thread count. Complexity: O(n log n +
-// crossings) per round. No earlier method is followed.
+// Contours then move in their planes by displacements d that bring matched endpoints together. Of these, d
+// has the least integral of |d|^2 + smoothing^2 |d'|^2 along all contours. An interval or gap that one of two
+// slices has alone is drawn back across the line. Contours that agree get the endpoint itself as a common
+// vertex, and folds and spikes that the movement made are cut off (flatten_folds.h).
+//
+// Where slices still differ, contours get vertices at just those endpoints and move again, as long as they
+// differ by a fifth less. Then contours are taken over a line where most slices through it have what one
+// lacks (nearest_arc.h). What is left is resolved by a small change of one of two slices
+// (resolve_conflicting_intervals.h).
+//
+// Beside a line of four planes or more, contours that rise and fall in turn are regularized
+// (regularize_fans.h). Slivers between structures are closed, and what came to lie on one line shares it.
+// A slice says nothing of a structure that it leaves undrawn where others show it (undrawn_structures.h).
+//
+// Requires: a kept contour set. Guarantees: a kept contour set, by exact predicates. Slices that agree
+// afterwards (difference_after_mm of 0) have the same points on their common line, bit for bit. Where all
+// endpoints agree within rounding no vertex moves, and parallel slices come back as they are. No point
+// comes further than the bound from where it was drawn. The result is the same at any number of threads.
+// What moved and what is left is in the statistics and in warnings W-RCN-001..013.
+//
+// Errors: geometry E-RCN-001 two slices are further apart than the bound; E-RCN-002 a shift is above it;
+// E-RCN-003 slices still differ when contours have moved as far as they may. Complexity: O(n log n +
+// crossings) a round. No earlier method is followed.
 Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOptions& options,
                                            RunContext& context);
 

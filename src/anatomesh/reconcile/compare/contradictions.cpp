@@ -25,9 +25,9 @@ constexpr double least_left_share = 0.1;
 // recorded]
 constexpr double beside_line = 2;
 
-// A slice whose contours all lie on one side of the other's plane, beside their common line: there it tells
-// within a margin only that nothing is there, and an image that ends there draws along its edge. `at`: where
-// the points were drawn.
+// Advises on a slice whose contours all lie on one side of the other's plane, beside their common line.
+// Within a margin it says there only that nothing is there, and an image that ends there is drawn along
+// its edge. `at`: where the points were drawn.
 std::string beyond_its_contours(const ContourSet& set, const std::vector<Vec3>& at, std::uint32_t a,
                                 std::uint32_t b) {
     for (const auto& [slice, other] : {std::pair{a, b}, std::pair{b, a}}) {
@@ -49,7 +49,7 @@ std::string beyond_its_contours(const ContourSet& set, const std::vector<Vec3>& 
     return {};
 }
 
-// `culprit`: the slice that is in most of the contradictions.
+// Says what a user can do. `culprit`: the slice that is in most of the contradictions.
 std::string ways_out(const ReconcileOptions& options, const std::string& culprit) {
     return "leave a slice out, first --without \"" + culprit + "\", " +
            (options.align ? "" : "shift slices with --align, ") +
@@ -74,7 +74,7 @@ Error contradiction(const ContourSet& set, const WorstPlace& worst, const Reconc
                      ways_out(options, set.slices[worst.culprit].name)};
 }
 
-// A point that moved so far.
+// A point that moved by nearly all of the bound, with its slice and structure.
 struct MovedFar {
     std::uint32_t slice = 0, structure = 0;
     Vec3 at;

@@ -1,4 +1,5 @@
-// Slices that contradict each other by more than contours may move.
+// check_bound, check_what_is_left: slices that contradict each other by more than contours may move are
+// refused.
 #pragma once
 
 #include <span>
@@ -11,15 +12,17 @@
 
 namespace anatomesh {
 
-// Before contours are moved. Errors: geometry E-RCN-001 two slices are further apart than the bound, as a
-// whole or so that a contour would have to move further; the worst are named, and what to do. O(ends).
+// Checks the bound before contours move. Errors: geometry E-RCN-001 two slices are further apart than the
+// bound, as a whole or at a place to which a contour would have to move further. The error names the worst
+// slices and what to do. O(endpoints).
 Status check_bound(const ContourSet& set, std::span<const LineComparison> comparisons,
                    const ReconcileOptions& options);
 
-// After that. Errors: geometry E-RCN-003 two slices still differ about a structure, by more than a tenth of
-// the bound, although a contour of it in one of them moved by all of the bound within two bounds of the
-// other's plane: to agree it would have to move further. The worst are named, and what to do. `drawn`: of the
-// set's points. O(structures * (ends + pairs * points that moved so far)).
+// Checks the bound after contours moved. Errors: geometry E-RCN-003 two slices still differ about a
+// structure by more than a tenth of the bound, although one of its contours moved by all of the bound.
+// Only points within two bounds of the other slice's plane count. To agree, the contour would have to move
+// further. The error names the worst slices and what to do. `drawn`: of the set's points. O(structures *
+// (endpoints + pairs * points that moved so far)).
 Status check_what_is_left(const ContourSet& set, const OriginalPositions& drawn,
                           std::span<const LineComparison> comparisons, const ReconcileOptions& options);
 

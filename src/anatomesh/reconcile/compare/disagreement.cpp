@@ -16,8 +16,8 @@ struct Figures {
     double median = 0, p95 = 0, max = 0;
 };
 
-// The least values that half and 95 % of the distances do not exceed. The same elements give the same
-// figures.
+// Returns the least values that half and 95 % of the distances do not exceed. The same elements give the
+// same figures.
 Figures figures_of(std::vector<double> distances) {
     if (distances.empty()) return {};
     std::sort(distances.begin(), distances.end());
@@ -54,8 +54,8 @@ std::uint32_t most_of(const std::vector<std::uint64_t>& counts) {
     return static_cast<std::uint32_t>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
-// How far apart corresponding ends are across the contours: along the line, times the lesser sine of the
-// angles at which the two contours meet it.
+// Returns how far apart corresponding endpoints are across the contours. It is the distance along the line
+// times the lesser sine of the angles at which the two contours meet it.
 double distance_across(const ContourSet& set, const LineComparison& c, const IntervalEndpoint& a,
                        const IntervalEndpoint& b) {
     const auto sine = [&](const IntervalEndpoint& end, std::uint32_t slice) {

@@ -1,4 +1,5 @@
-// How far crossing slices are from agreeing: figures per pair, the worst place, and what could be drawn back.
+// disagreements: how far crossing slices are from agreeing, by pair of slices, in all, and at the worst
+// place.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +13,10 @@
 
 namespace anatomesh {
 
-// One entry a pair of slices that has comparisons, in their order.
+// Returns one entry for each pair of slices that has comparisons, in their order. O(endpoints log endpoints).
 std::vector<PairDisagreement> disagreements(std::span<const LineComparison> comparisons);
 
-// The order in which pairs of slices stand: by their slices.
+// Pairs of slices stand in the order of their slices.
 bool is_pair_before(const PairDisagreement& p, const PairDisagreement& q);
 
 // Fills the figures over all ends of all comparisons.
@@ -34,16 +35,16 @@ struct WorstPlace {
     std::uint32_t culprit = 0;  // the slice with most of them
 };
 
-// The two slices that are furthest apart as a whole, if that is above the bound: by the median over the
-// corresponding ends of a structure of their distance across the contours, that along the line times the
-// lesser sine of the angles at which the contours meet the line.
+// Returns the two slices that are furthest apart as a whole, if that is above the bound. They are as far
+// apart as the corresponding endpoints of a structure are in the median, across the contours. That is the
+// distance along the line times the lesser sine of the angles at which the contours meet it.
 std::optional<WorstPlace> worst_pair(const ContourSet& set, std::span<const LineComparison> comparisons,
                                      double bound_mm);
 
-// The place where slices are furthest apart, if that is above the bound. Corresponding ends are as far apart
-// as the nearer of the two is from the other slice's contour: where a contour runs nearly along the line, a
-// small distance between contours is a large one along the line. What only one slice has counts by how far it
-// would have to be drawn back, or, where it cannot be, by the depth of its middle.
+// Returns the place where slices are furthest apart, if that is above the bound. Corresponding endpoints are
+// as far apart as the nearer of the two is from the other slice's contour. A contour that runs nearly along
+// the line would make a small distance a large one. What only one slice has counts by how far it would have
+// to be drawn back. Where it cannot be, it counts by the depth of its middle.
 std::optional<WorstPlace> worst_place(const ContourSet& set, std::span<const LineComparison> comparisons,
                                       double bound_mm);
 

@@ -25,7 +25,8 @@ bool passes_through(const PlanePatch& patch, const Plane& plane) {
     return low < 0 && high > 0;
 }
 
-// From the one's intervals on the line to the other's; 0 where they overlap, nothing where one has none.
+// Returns the gap between the intervals of the two slices on the line: 0 where they overlap, nothing where
+// one has none.
 std::optional<double> gap_of(const LineComparison& c) {
     std::optional<double> least;
     for (std::size_t i = 0; i + 1 < c.endpoints_a.size(); i += 2) {
@@ -73,7 +74,7 @@ std::vector<IsolatedSlice> find_isolated_slices(const ContourSet& set, const std
     std::vector<IsolatedSlice> isolated;
     for (std::uint32_t s = 0; s < found.size(); ++s) {
         if (is_met[s] || found[s].others == 0) continue;
-        // One that is elsewhere than many is named, not each of the many.
+        // A slice that lies elsewhere than many is named, and not each of the many.
         if (found[s].others == 1 && !is_met[found[s].nearest] && found[found[s].nearest].others > 1) continue;
         isolated.push_back(found[s]);
         isolated.back().slice = s;

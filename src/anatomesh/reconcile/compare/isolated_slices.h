@@ -1,5 +1,4 @@
-// find_isolated_slices: slices that have nothing in common with any slice whose drawn region their own
-// crosses.
+// find_isolated_slices: slices that share nothing with any slice whose drawn region they cross.
 #pragma once
 
 #include <cstdint>
@@ -20,12 +19,12 @@ struct IsolatedSlice {
     double gap_mm = 0;          // along the line, to what the nearest draws
 };
 
-// A slice is isolated where on the common line with one slice or more both draw the same structure, and
-// nowhere do the two have anything of it in common: too far apart to contradict each other, since beyond its
-// own contours neither says anything, they may be two parts of a structure as well as one of them out of
-// place. One that is such by a single other, which is so by several, is left out. In order of slices.
+// A slice is isolated if on the common line with each slice that draws the same structure the two have
+// nothing of it in common. Such slices do not contradict each other, because beyond its own contours
+// neither says anything. They may be two parts of a structure, or one of them is out of place. A slice
+// that is isolated by a single other one, which is isolated by several, is left out. In order of slices.
 // `comparisons`: of the set (compare_planes). Complexity: O(slices^2) with a small factor, and that of
-// compare_planes for pairs whose patches each pass through the plane of the other.
+// compare_planes for pairs whose patches each pass through the other plane.
 std::vector<IsolatedSlice> find_isolated_slices(const ContourSet& set, const std::vector<PlanePatch>& patches,
                                                 std::span<const LineComparison> comparisons,
                                                 RunContext& context);

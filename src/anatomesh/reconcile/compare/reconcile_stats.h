@@ -1,4 +1,4 @@
-// What is asked of reconcile_contours(), and what it did.
+// ReconcileOptions, ReconcileStats: what reconcile_contours() is asked for, and what it did.
 #pragma once
 
 #include <cstdint>
@@ -19,26 +19,25 @@ struct ReconcileOptions {
     bool reconcile = true;
     // First shift every slice rigidly in its plane (breathing, a probe that slips) so that they agree best.
     bool align = false;
-    // Slices that are further apart than this where their planes cross are refused: by the median of a pair,
-    // or where a contour would have to move further; and so are larger shifts. mm, (0, 1000]
+    // Slices that are further apart than this where their planes cross are refused, by the median of a
+    // pair, or where a contour would have to move further. So are larger shifts. mm, (0, 1000]
     double max_disagreement_mm = 10;
-    // Over what length along a contour a movement fades. mm, [0.1, 1000]
+    // A movement fades over this length along a contour. mm, [0.1, 1000]
     double smoothing_mm = 10;
-    // How far beyond its own contours a slice still says "outside". mm, [0, 1000]; 0: the spacing of the
+    // So far beyond its own contours a slice still says "outside". mm, [0, 1000]; 0: the spacing of the
     // planes
     double margin_mm = 0;
     // Contours of different structures that come to lie nearer to each other than this share their vertices
     // (merge_coincident.h). mm, [0, 0.1]
     double same_line_mm = MergeCoincidentOptions{}.width_mm;
-    // What lies between them and is narrower than this where they meet and soon meet again is closed
-    // (slivers.h). mm, [0, 10]
+    // A sliver between two such contours that is narrower than this is closed (slivers.h). mm, [0, 10]
     double close_slivers_mm = CloseSliversOptions{}.width_mm;
 };
 
 // Two slices on their common line, all structures together: distances along the line.
 struct PairDisagreement {
     std::uint32_t slice_a = 0, slice_b = 0;        // a < b
-    std::uint32_t ends = 0;                        // ends of regions that correspond to each other
+    std::uint32_t ends = 0;                        // endpoints that correspond to each other
     std::uint32_t unmatched = 0;                   // intervals and gaps that one of the two does not have
     double median_mm = 0, p95_mm = 0, max_mm = 0;  // of corresponding ends
     double difference_mm = 0;                      // length of the regions' symmetric difference
@@ -46,14 +45,14 @@ struct PairDisagreement {
 };
 
 struct SliceMovement {
-    // Of its drawn vertices, without the shift; where no pole is settled before they come to a common point
-    // (within 0.05 mm).
+    // Movement of its drawn vertices, without the shift. Before fans are regularized, vertices are
+    // measured before they come to a common point within 0.05 mm.
     double mean_mm = 0, max_mm = 0;
     Vec3 shift;  // by align, in the slice's plane
 };
 
-// A structure of a slice that lacked on a line what most of the slices through it have (or had what they
-// lack), and whose contour was taken over the line.
+// A structure of a slice whose contour was taken over a line. On the line the slice lacked what most of
+// the slices through it have, or had what they lack.
 struct TakenOver {
     std::uint32_t slice = 0, structure = 0;
     double farthest_mm = 0;  // of the contour from the line

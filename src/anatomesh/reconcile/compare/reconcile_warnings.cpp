@@ -50,7 +50,7 @@ class ReconcileWarnings {
     }
 
   private:
-    // The pairs with the largest figures above `least`, largest first.
+    // Returns the pairs whose figure is above `least`, the largest first.
     template <class Figure>
     std::vector<const PairDisagreement*> largest(Figure figure, double least) const {
         std::vector<const PairDisagreement*> named;
@@ -229,8 +229,8 @@ class ReconcileWarnings {
                        place_of_slice(set_, worst, length(stats_.movements[worst].shift)), "shifted"});
     }
 
-    // Slices that disagree with the others far more than these among themselves: a jump of a tracker, as a
-    // rule.
+    // Names slices that disagree with the others far more than these among themselves. As a rule a tracker
+    // jumped there.
     void warn_of_outliers() {
         std::vector<std::vector<double>> of_slice(set_.slices.size());
         for (const PairDisagreement& pair : stats_.pairs) {

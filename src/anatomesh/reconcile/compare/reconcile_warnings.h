@@ -1,4 +1,4 @@
-// warn_of_reconciling: what of the slices' disagreements and movements their user should hear.
+// warn_of_reconciling: warnings of the disagreements and movements that a user should know.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ inline constexpr double joinable_mm = 0.01;
 // Shifts that grow by less have been found. [mm; > 0; B]
 inline constexpr double align_precision_mm = 1e-3;
 
-// Warnings W-RCN-001..013, of the stats of reconcile_contours() for `set` as kept. None where no slices
-// cross.
+// Adds warnings W-RCN-001..013 from the statistics of reconcile_contours() for `set` as kept. There are
+// none where no slices cross. O(pairs log pairs).
 void warn_of_reconciling(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
                          std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
                          RunContext& context);

@@ -20,7 +20,7 @@ constexpr double pull_to_place = 0.02;
 constexpr double least_crossing_sine = 0.2;
 // Huber's bound is so many medians. [1; > 1; M 2026-11, set not recorded]
 constexpr double huber_medians = 1.5;
-constexpr int most_shift_steps = 200;     // [steps; >= 1; B]
+constexpr int most_shift_steps = 200;        // [steps; >= 1; B]
 constexpr int most_translation_steps = 100;  // [steps; >= 1; B]
 // Shorter movements get no larger weight in the median. [mm; > 0; D]
 constexpr double least_length_mm = 1e-4;
@@ -30,7 +30,7 @@ constexpr double least_stiffness = 1e-9;
 // 2026-11, set not recorded]
 constexpr double left_share = 0.75;
 
-// weight * (gap + to_a . shift of a - to_b . shift of b)^2
+// An equation contributes weight * (gap + to_a . shift of a - to_b . shift of b)^2.
 struct Equation {
     std::uint32_t a = 0, b = 0;
     Vec2 to_a, to_b;
@@ -57,7 +57,7 @@ std::vector<Equation> equations_of(const ContourSet& set, std::span<const LineCo
     return equations;
 }
 
-// Huber's weights about the median gap across the contours.
+// Applies Huber's weights about the median gap across the contours.
 void reweigh(std::vector<Equation>& equations) {
     std::vector<double> gaps;
     for (const Equation& e : equations) gaps.push_back(std::abs(e.gap) * std::sqrt(e.weight));
@@ -78,7 +78,7 @@ std::vector<Vec2> estimate_shifts(const ContourSet& set, std::span<const LineCom
     std::vector<Equation> equations = equations_of(set, comparisons);
     if (equations.empty()) return shifts;
     reweigh(equations);
-    // The equations' values times their weights, carried back to the slices.
+    // Carries the equations' values times their weights back to the slices.
     const auto spread = [&](const std::vector<Vec2>& x, auto&& value_of, std::vector<Vec2>& out) {
         out.assign(x.size(), {});
         for (const Equation& e : equations) {
@@ -131,7 +131,7 @@ Vec3 common_translation(const ContourSet& set, std::span<const Vec2> shifts) {
     };
     Vec3 translation;
     for (int step = 0; step < most_translation_steps; ++step) {
-        // Rows of the normal equations, and their right side.
+        // These are the rows of the normal equations, and their right side.
         std::array<Vec3, 3> rows{};
         Vec3 right;
         double weights = 0;
@@ -147,7 +147,7 @@ Vec3 common_translation(const ContourSet& set, std::span<const Vec2> shifts) {
         }
         rows[0].x += least_stiffness * weights, rows[1].y += least_stiffness * weights;
         rows[2].z += least_stiffness * weights;
-        // Cramer's rule; the rows are the columns.
+        // This is Cramer's rule; the matrix is symmetric, so its rows are its columns.
         const Vec3 across = cross(rows[1], rows[2]);
         const double determinant = dot(rows[0], across);
         if (!(determinant > 0)) break;

@@ -9,19 +9,20 @@
 
 namespace anatomesh {
 
-// One step: the shifts that minimise the squared distances of corresponding ends, each taken across the
-// contours (a shift along a contour changes nothing), with Huber's weights (Ann. Math. Stat. 35, 1964) so
-// that a few contradictions do not pull whole slices; of all shifts that do equally well, the smallest: a
-// common shift of everything is none. One vector a slice, in its plane's frame. Conjugate gradients on the
-// ends. The same bits every time.
+// Returns the shifts of one step. They minimise the squared distances of corresponding endpoints, each
+// taken across the contours, because a shift along a contour changes nothing. Huber's weights (Ann. Math.
+// Stat. 35, 1964) keep a few contradictions from pulling whole slices. Of all shifts that do equally well
+// the smallest are taken: a common shift of everything is none. One vector a slice, in its plane's frame.
+// `shifted`: what the slices were shifted so far. The solver is conjugate gradients on the endpoints.
+// Guarantees: the same bits every time.
 std::vector<Vec2> estimate_shifts(const ContourSet& set, std::span<const LineComparison> comparisons,
                                   std::span<const Vec2> shifted);
 
-// Shifts that move all slices with the solid by one translation in space leave them as they were to each
-// other, but for what planes cannot follow out of themselves. The translation that, taken off all of them,
-// leaves the least movement in all (the sum of the lengths: the geometric median, Weiszfeld, Tohoku Math. J.
-// 43, 1937): a few slices that are out of place with each other move then, and the many stay. Zero unless at
-// most half of the movement is left.
+// Returns the translation that all shifts have in common. Slices that move together by one translation in
+// space stay as they were to each other, except for what planes cannot follow out of themselves. Taken off
+// all shifts, the translation leaves the least movement in all, the sum of the lengths (geometric median;
+// Weiszfeld, Tohoku Math. J. 43, 1937). So a few slices that are out of place move, and the many stay. It
+// is zero unless at most 3/4 of the movement is left.
 Vec3 common_translation(const ContourSet& set, std::span<const Vec2> shifts);
 
 }  // namespace anatomesh

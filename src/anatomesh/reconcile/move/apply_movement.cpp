@@ -18,7 +18,7 @@ constexpr int most_shortenings = 16;  // [shortenings; >= 1; B]
 constexpr double shortening_reach_mm = 3;
 constexpr int shortenings_per_reach = 4;  // [shortenings; >= 1; B]
 
-// The moves of all nodes, and the share of each that a sound slice allows.
+// Holds the moves of all nodes, and the share of each that keeps its slice sound.
 class BoundedMovement {
   public:
     BoundedMovement(const ContourSet& set, const ContourGraph& graph, const OriginalPositions& drawn,
@@ -45,7 +45,7 @@ class BoundedMovement {
         }
     }
 
-    // Where a point comes to, never further from where it was drawn than the bound.
+    // Returns where a point comes to, which is never further from where it was drawn than the bound.
     Vec3 moved(const Plane& plane, std::uint32_t point) const {
         const std::uint32_t node = graph_.node_of_point[point];
         const Vec2 move = shares_[node] * moves_[node];

@@ -10,7 +10,7 @@ namespace {
 
 using Ring = std::vector<Vec3>;
 
-// Segments of a slice that lie on a line, by the contour and the vertex that they start at.
+// A segment of a slice that lies on a line, by its contour and the vertex that it starts at.
 struct Along {
     std::uint32_t contour = 0, from = 0;
 };
@@ -35,7 +35,7 @@ class ContoursOnLines {
         lead_through(ends_on(a, b, sine), direction, along(b, a, sine));
     }
 
-    // The set with the contours as they are now.
+    // Writes the contours back to the set, and returns what was done.
     CommonLineStats finish() {
         if (stats_.led_through == 0 && stats_.moved == 0) return stats_;
         set_.points.clear();
@@ -51,7 +51,8 @@ class ContoursOnLines {
     }
 
   private:
-    // In the plane of its own slice the distance from the line is that from the other plane over the sine.
+    // In the plane of its own slice the distance from the line is the distance from the other plane over
+    // the sine.
     bool is_on(Vec3 p, std::uint32_t other, double sine) const {
         return std::abs(set_.slices[other].plane.signed_distance(p)) <= width_ * sine;
     }
@@ -71,7 +72,7 @@ class ContoursOnLines {
         return found;
     }
 
-    // Of the segments on the line, their vertices.
+    // Returns the vertices of the segments on the line.
     std::vector<Vec3> ends_on(std::uint32_t slice, std::uint32_t other, double sine) const {
         std::vector<Vec3> ends;
         for (const Along& one : along(slice, other, sine)) {
@@ -81,7 +82,7 @@ class ContoursOnLines {
         return ends;
     }
 
-    // Vertices of slice b on the line become those of slice a that are as near as the width.
+    // Vertices of slice b on the line become vertices of slice a that are as near as the width.
     void make_one(std::uint32_t a, std::uint32_t b, double sine) {
         const std::vector<Vec3> first = ends_on(a, b, sine);
         for (const Along& one : along(b, a, sine)) {
@@ -105,7 +106,7 @@ class ContoursOnLines {
         const auto before = [&](Vec3 p, Vec3 q) { return dot(p, direction) < dot(q, direction); };
         std::stable_sort(others.begin(), others.end(), before);
         others.erase(std::unique(others.begin(), others.end()), others.end());
-        // From the last on, so that the places of the others stay.
+        // The last segment is taken first, so that the places of the others stay.
         for (auto one = segments.rbegin(); one != segments.rend(); ++one) {
             Ring& ring = rings_[one->contour];
             const Vec3 from = ring[one->from], to = ring[(one->from + 1) % ring.size()];

@@ -1,5 +1,5 @@
-// ContourGraph: the contours of a set as a graph in which what contours share is there once; and the places
-// on it where they pass through other slices' planes.
+// ContourGraph: the contours of a set as a graph in which what contours share exists once, and the places
+// on it where contours pass other slices' planes.
 #pragma once
 
 #include <array>
@@ -26,8 +26,8 @@ struct ContourGraph {
 // O(n log n).
 ContourGraph make_contour_graph(const ContourSet& set);
 
-// Per point of the set, whether it stays where one slice's contours are moved: where several slices have it,
-// and where the contours of its slice branch. O(n log n).
+// Returns, per point of the set, whether it stays where one slice's contours move: where several slices
+// have it, and where contours of its slice branch. O(n log n).
 std::vector<bool> points_that_stay(const ContourSet& set, const ContourGraph& graph);
 
 // A place of the graph: a node, or a place inside a segment.
@@ -38,7 +38,7 @@ struct GraphPlace {
     Vec3 at;
 };
 
-// The ends of all comparisons as places, one entry a distinct place.
+// The endpoints of all comparisons as places, one entry for each distinct place.
 struct EndpointPlaces {
     std::vector<GraphPlace>
         places;                // those on nodes by node, then those inside segments by segment and distance
@@ -47,17 +47,18 @@ struct EndpointPlaces {
     std::vector<std::vector<std::uint32_t>> of_a, of_b;
 };
 
-// Places on one segment that differ by rounding are one. O(n log n).
+// Finds the places of all endpoints. Those on one segment that differ by rounding are one. O(n log n).
 EndpointPlaces place_endpoints(const ContourSet& set, const ContourGraph& graph,
                                std::span<const LineComparison> comparisons);
 
-// Contours' normals are taken over chords of this half length where ends are moved, and of the other where
-// the slices' disagreement is measured: a longer one sees less of the noise of drawing. [mm; > 0; M 2026-11,
-// set not recorded]
+// Contours' normals are taken over chords of these half lengths. The first is for endpoints that move. The
+// second is for measuring disagreement, where a longer chord sees less of the noise of drawing. [mm; > 0; M
+// 2026-11, set not recorded]
 inline constexpr double moving_chord_mm = 1, measuring_chord_mm = 2;
 
-// Unit normal of the contour at an end, in the frame of its slice: across the chord of the contour that
-// reaches at least `reach` mm, or one segment, to both sides.
+// Returns the unit normal of the contour at an endpoint, in the frame of its slice. It is taken across the
+// chord of the contour that reaches at least `reach` mm, or one segment, to both sides. O(points within
+// reach).
 Vec2 contour_normal(const ContourSet& set, const IntervalEndpoint& end, double reach);
 
 }  // namespace anatomesh

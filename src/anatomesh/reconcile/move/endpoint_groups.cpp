@@ -18,7 +18,7 @@ constexpr double least_weight = 1e-6;
 // A smaller determinant, per line cubed, is that of lines nearly parallel to each other. [1; > 0; D]
 constexpr double least_determinant = 1e-6;
 
-// A place with a line that it has to stay on.
+// A place and a line that it has to stay on.
 struct Membership {
     std::uint32_t root = 0, place = 0;
     const Line* line = nullptr;
@@ -30,7 +30,7 @@ std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
     return i;
 }
 
-// Every matched end with its line, by group, in order of places.
+// Returns every matched endpoint with its line, by group, in order of places.
 std::vector<Membership> memberships(const EndpointPlaces& ends, std::span<const LineComparison> comparisons) {
     std::vector<std::uint32_t> parent(ends.places.size());
     std::iota(parent.begin(), parent.end(), 0u);

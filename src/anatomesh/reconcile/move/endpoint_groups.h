@@ -1,4 +1,4 @@
-// group_endpoints: ends of several slices that have to become one point, and that point.
+// group_endpoints: endpoints of several slices that have to become one point, and that point.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 
 namespace anatomesh {
 
-// Places that have to become one point: those joined by matched ends, also over several pairs (an axis
-// through which many planes run). On one line they share a position along it; on several lines the point
-// nearest to all is given.
+// Places that have to become one point: those that matched endpoints join, over several pairs too (an axis
+// of many planes). On one line they share a position along it. On several lines the point nearest to all
+// is their target.
 struct EndpointGroups {
     struct Member {
         std::uint32_t group = no_node;  // no_node: in no matching
@@ -32,6 +32,7 @@ struct EndpointGroups {
     double worst_mm = 0;  // largest distance, across the contours, of a place from its group's point
 };
 
+// Groups the places. O(places log places + endpoints).
 EndpointGroups group_endpoints(const ContourSet& set, const EndpointPlaces& ends,
                                std::span<const LineComparison> comparisons);
 

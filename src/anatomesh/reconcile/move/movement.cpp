@@ -16,12 +16,13 @@ constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();  // [1
 constexpr int most_gradient_steps = 1000;                                  // [steps; >= 1; B]
 constexpr double gradient_precision = 1e-5;  // of the first residual [1; 0 to 1; B]
 
-// The chains of free nodes, each with two edges, between the other nodes. Such a chain's movements follow
-// from those of the two nodes at its ends, so that its energy is a quadratic form in these alone (Gaussian
-// elimination along the chain, which is stable: all its pivots are sums of positive terms).
+// Holds the chains of free nodes, each with two edges, between the other nodes. The movements of a chain
+// follow from those of the two nodes at its ends, so its energy is a quadratic form in these alone.
+// Gaussian elimination along the chain is stable, because all pivots are sums of positive terms.
 class Chains {
   public:
-    // Two nodes that are not of a chain: the energy has -coupling * (movement of a) * (movement of b).
+    // Two nodes that are not in a chain: the energy has the term -coupling * (movement of a) * (movement
+    // of b).
     struct Link {
         std::uint32_t a = 0, b = 0;
         double coupling = 0;
@@ -48,12 +49,13 @@ class Chains {
         }
     }
 
-    // Nodes that are not inside a chain, and what their own squared movements weigh.
+    // A node that is not inside a chain has a weight for its own squared movement.
     bool is_inside(std::size_t node) const { return inside_[node] != 0; }
     double diagonal(std::size_t node) const { return diagonal_[node]; }
     const std::vector<Link>& links() const { return links_; }
 
-    // Movements inside the chains, from those of the other nodes; none in rings of free nodes alone.
+    // Fills in the movements inside the chains from those of the other nodes. Rings of free nodes alone do
+    // not move.
     void fill(std::vector<Vec2>& moves) const {
         for (std::size_t c = 0; c < links_.size(); ++c) {
             const std::uint32_t begin = first_step_[c];
@@ -68,7 +70,7 @@ class Chains {
     }
 
   private:
-    // A node of a chain when those before it are eliminated.
+    // A node of a chain, after those before it were eliminated.
     struct Step {
         std::uint32_t node = 0;
         double pivot = 0, to_start = 0, to_next = 0;  // its own weight, couplings
@@ -87,7 +89,7 @@ class Chains {
 
     double stiffness(std::uint32_t edge) const { return square_ / edges_[edge].length; }
 
-    // The chain that starts at a node with an edge.
+    // Eliminates the chain that starts at a node with an edge.
     void eliminate(std::uint32_t start, std::uint32_t edge, std::vector<std::uint8_t>& seen) {
         double coupling = stiffness(edge), here = coupling;  // of the node reached: to the start, its own
         diagonal_[start] += coupling;
@@ -119,8 +121,8 @@ class Chains {
     std::vector<std::uint32_t> first_step_{0};  // by chain
 };
 
-// The energy in what is left as unknown: the movement of free nodes where chains meet, and the groups'
-// positions relative to the usual.
+// Holds the energy as a function of the unknowns that are left: movements of free nodes where chains meet,
+// and positions of groups relative to the usual ones.
 class Energy {
   public:
     Energy(const std::vector<MovementNode>& nodes, const Chains& chains, const std::vector<double>& usual)
@@ -138,8 +140,8 @@ class Energy {
 
     std::size_t size() const { return count_ + usual_.size(); }
 
-    // The movement of all nodes but those inside chains; with `affine` that of pinned nodes and of the usual
-    // positions is in it.
+    // Returns the movement of all nodes except those inside chains. With `affine` it includes that of
+    // pinned nodes and of the usual positions.
     std::vector<Vec2>& spread(const std::vector<double>& x, bool affine) {
         for (const std::uint32_t n : ends_) {
             const MovementNode& node = nodes_[n];
@@ -155,7 +157,7 @@ class Energy {
         return moves_;
     }
 
-    // The gradient by the unknowns at x.
+    // Computes the gradient by the unknowns at x.
     void gradient(const std::vector<double>& x, bool affine, std::vector<double>& out) {
         spread(x, affine);
         for (const std::uint32_t n : ends_) forces_[n] = chains_.diagonal(n) * moves_[n];

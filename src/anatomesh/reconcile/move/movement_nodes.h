@@ -1,4 +1,4 @@
-// The nodes and edges of a movement, made from the contours' graph and from what is asked of its places.
+// movement_nodes, movement_edges: the contours' graph with its places as the nodes and edges of a movement.
 #pragma once
 
 #include <vector>
@@ -11,9 +11,10 @@
 
 namespace anatomesh {
 
-// Contours that are drawn back keep this distance from the other slice's plane at least, and this share of
-// the mean distance between vertices: nearer to the line two planes are so close to each other that no cells
-// of any shape fit between. [mm; > 0; M 2026-11, set not recorded] [1; 0 to 1; M 2026-11, set not recorded]
+// Contours that are drawn back keep a distance from the other slice's plane: the length at least, and the
+// share of the mean distance between vertices. Nearer to the line two planes are so close to each other
+// that no cells of any shape fit between. [mm; > 0; M 2026-11, set not recorded] [1; 0 to 1; M 2026-11,
+// set not recorded]
 inline constexpr double least_clearance_mm = 0.1, clearance_share = 0.1;
 
 // Per node of the graph, and then per place inside a segment: an anchor on the line of its group, pinned

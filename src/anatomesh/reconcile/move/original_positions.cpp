@@ -11,7 +11,7 @@ namespace anatomesh {
 
 namespace {
 
-// The points of a contour, by place.
+// Returns the points of a contour in the order of their places.
 std::vector<std::uint32_t> by_place(const ContourSet& set, const Contour& contour) {
     std::vector<std::uint32_t> order(contour.point_count);
     for (std::uint32_t n = 0; n < contour.point_count; ++n) order[n] = contour.first_point + n;
@@ -21,7 +21,7 @@ std::vector<std::uint32_t> by_place(const ContourSet& set, const Contour& contou
     return order;
 }
 
-// Displacements of the points between those that have one, linear along the contour.
+// Interpolates the displacements of points between those that have one, linearly along the contour.
 void interpolate(const ContourSet& set, const Contour& contour, const std::vector<bool>& is_known,
                  std::vector<Vec3>& displacement) {
     std::uint32_t first = no_node;
@@ -53,7 +53,8 @@ void interpolate(const ContourSet& set, const Contour& contour, const std::vecto
     } while (start != first);
 }
 
-// Points that came in the place of others between the same two that stay: `old_of` gets those, each once.
+// Matches points that came in the place of others between the same two points that stay. `old_of` gets the
+// others, each once.
 void find_moved(const ContourSet& before, const Contour& old, const ContourSet& after, const Contour& contour,
                 double reach, std::vector<std::uint32_t>& old_of) {
     for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
@@ -73,7 +74,7 @@ void find_moved(const ContourSet& before, const Contour& old, const ContourSet& 
             old_of[m] = nearest;
             next = point_after(old, nearest);
         }
-        // What was found belongs to this stretch.
+        // What was found belongs to this stretch, so the search goes on after it.
         k = end <= k ? contour.first_point + contour.point_count - 1 : end - 1;
     }
 }

@@ -1,5 +1,4 @@
-// OriginalPositions: where the points of moved contours were drawn, kept up as the contours get and lose
-// points.
+// OriginalPositions: where the points of moved contours were drawn, while contours get and lose points.
 #pragma once
 
 #include <vector>
@@ -14,13 +13,14 @@ struct OriginalPositions {
     std::vector<bool> is_drawn;  // false: put in later
 };
 
+// The positions of a set whose points are all where they were drawn. O(points).
 OriginalPositions original_positions(const ContourSet& set);
 
-// Those of `after`, the same contours with points put in, moved or taken out: points that a contour of
-// `before` has at the same place keep theirs, and so do those within `reach_mm` of one that went between the
-// same two. Others were drawn as far from their place as these are, linearly along the contour between the
-// two beside them. Requires: contours keep their direction. O(n log n), and what went times what came between
-// two points that stay.
+// Returns the original positions of `after`, which has the same contours with points put in, moved or
+// taken out. A point that a contour of `before` has at the same place keeps its original position. So does
+// a point within `reach_mm` of one that went between the same two neighbours. Any other point is taken to
+// have been drawn as far from its place as those beside it were, linearly along the contour. Requires:
+// contours keep their direction. O(n log n), and what went times what came between two points that stay.
 OriginalPositions carry_over(const ContourSet& before, const OriginalPositions& drawn,
                              const ContourSet& after, double reach_mm);
 

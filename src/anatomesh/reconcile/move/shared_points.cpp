@@ -27,7 +27,7 @@ constexpr double least_interval_mm = 0.001;
 // not recorded]
 constexpr double least_sine_across = 0.01;
 
-// A shared point to be put into a contour: at its point `after`, or behind it.
+// A shared point that is put into a contour at its point `after`, or behind it.
 struct Insertion {
     std::uint32_t after = 0;
     bool replaces = false;
@@ -58,7 +58,7 @@ class SharedPointInsertion {
     }
 
     SharedPoints run() {
-        // What one slice cannot take is taken out of the others too, which are then looked at again.
+        // What one slice cannot take is taken out of the others too, which are then checked again.
         for (bool dropped = true; dropped;) {
             dropped = false;
             for (const Slice& slice : set_.slices) dropped |= drop_unsound(slice);
@@ -68,7 +68,7 @@ class SharedPointInsertion {
     }
 
   private:
-    // A vertex that was moved is as near to the line as the movement came; the point is on it.
+    // A moved vertex is only as near to the line as the movement came, so its point is put onto the line.
     void put_on_lines() {
         for (std::size_t p = 0; p < ends_.on_nodes; ++p) {
             const std::uint32_t group = groups_.members[p].group;
@@ -80,8 +80,8 @@ class SharedPointInsertion {
         }
     }
 
-    // Groups that are one point within the bound, but for fewer places than a third: slices that could not
-    // be brought there keep theirs, and the others agree without them.
+    // Finds the groups whose places are within the bound, except for fewer than a third. Slices that could
+    // not be brought there keep their places, and the others agree without them.
     void find_usable() {
         const std::size_t count = groups_.target.size();
         std::vector<std::uint32_t> within(count, 0), beyond(count, 0);
@@ -112,7 +112,7 @@ class SharedPointInsertion {
         return distance * std::max(member.sine, least_sine_across) > joining_mm;
     }
 
-    // Points that not all places come to are the mean of those that do.
+    // A point that not all places reach becomes the mean of those that do.
     void put_between_the_others() {
         std::vector<double> sum(groups_.target.size(), 0), weights(groups_.target.size(), 0);
         for (std::size_t p = 0; p < ends_.places.size(); ++p) {
@@ -127,8 +127,8 @@ class SharedPointInsertion {
         }
     }
 
-    // Where slices meet in one point, all their pairs have a group there: those that are nearer to each other
-    // than a vertex that gives way become one point.
+    // Where slices meet in one point, all their pairs have a group there. Groups that are nearer to each
+    // other than a vertex that gives way become one point.
     void join_near() {
         PointGrid grid(merge_mm, groups_.target.size());
         for (const Vec3& p : groups_.target) grid.add(p);
@@ -147,7 +147,8 @@ class SharedPointInsertion {
         }
     }
 
-    // Where an interval on a line has come to nothing, its two ends are one place: one point is enough.
+    // Drops one of two points where an interval on a line has come to nothing, because its two ends are
+    // one place.
     void drop_doubled() {
         PointGrid grid(least_interval_mm, groups_.target.size());
         for (const Vec3& p : groups_.target) grid.add(p);
@@ -161,7 +162,8 @@ class SharedPointInsertion {
         }
     }
 
-    // Whether a group has a point on all contours of another one, and is to be kept of the two.
+    // Returns whether a group has a point on all contours of another one, and is the one of the two to
+    // keep.
     bool stands_for(std::uint32_t kept, std::uint32_t other) const {
         const std::vector<std::uint32_t>&of = groups_.contours[other], &all = groups_.contours[kept];
         if (kept == other || lacks_some_[kept] || lacks_some_[other] ||
@@ -172,7 +174,7 @@ class SharedPointInsertion {
         return kept < other;
     }
 
-    // Those that the group stood in for are on their own again.
+    // Groups that the dropped one stood for have points of their own again.
     void bring_back(std::uint32_t group) {
         for (std::size_t g = 0; g < stands_in_.size(); ++g) {
             if (stands_in_[g] != group) continue;
@@ -181,8 +183,8 @@ class SharedPointInsertion {
         }
     }
 
-    // Nothing unless these are the groups of all pairs of some slices, one each: else a contour would pass a
-    // line twice.
+    // Returns nothing unless these are the groups of all pairs of some slices, one each. Otherwise a
+    // contour would pass a line twice.
     std::optional<Vec3> common_point(std::span<const std::uint32_t> near, Vec3 beside) const {
         std::vector<Line> lines;
         std::vector<std::uint32_t> slices;
@@ -226,14 +228,15 @@ class SharedPointInsertion {
                    list.end());
     }
 
-    // A point of a contour that gets shared points.
+    // A point of a contour, as shared points are put in.
     struct Link {
         Vec3 at;
         bool is_shared = false;
         bool is_moved = false;  // and not shared
     };
 
-    // The contour with the points that `use` accepts; a point equal to its neighbour is there once.
+    // Returns the contour with the points that `use` accepts; a point equal to its neighbour is there
+    // once.
     template <class Use>
     std::vector<Vec3> with_points(std::uint32_t c, Use&& use) const {
         const Contour& contour = set_.contours[c];
@@ -261,7 +264,7 @@ class SharedPointInsertion {
         return merged(links);
     }
 
-    // Without the moved vertices beside shared points.
+    // Leaves out the moved vertices beside shared points.
     static std::vector<Vec3> merged(const std::vector<Link>& links) {
         std::vector<Vec3> points;
         const std::size_t count = links.size();
@@ -272,7 +275,7 @@ class SharedPointInsertion {
             if (links[n].is_moved &&
                 (gives_way_to(links[(n + 1) % count]) || gives_way_to(links[(n + count - 1) % count])))
                 continue;
-            // One between two places of a point has gone.
+            // The vertex between two places of one point may have gone.
             if (points.empty() || points.back() != links[n].at) points.push_back(links[n].at);
         }
         while (points.size() > 1 && points.back() == points.front()) points.pop_back();
@@ -298,7 +301,7 @@ class SharedPointInsertion {
             for (const Insertion& insertion : insertions_[c]) groups.push_back(insertion.group);
         }
         sort_distinct(groups);
-        // One after the other, each with those before it that were sound.
+        // The groups are tried one after the other, each with those before it that were sound.
         bool dropped = false;
         std::vector<std::uint32_t> sound;
         for (const std::uint32_t group : groups) {
@@ -315,7 +318,8 @@ class SharedPointInsertion {
         return dropped;
     }
 
-    // Takes the groups joined with this one back to their own points; says whether it was joined.
+    // Gives the groups that were joined with this one their own points back. Returns whether it was
+    // joined.
     bool part(std::uint32_t group) {
         if (!apart_[group]) return false;
         const Vec3 joint = groups_.target[group];

@@ -1,4 +1,5 @@
-// Corresponding ends as groups that become one point, and that point as a common vertex of the contours.
+// insert_shared_points: the point of each group of corresponding endpoints becomes a common vertex of the
+// contours.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +16,17 @@ struct SharedPoints {
     std::uint64_t points = 0;  // groups that became a point of all their contours
 };
 
-// Puts the groups' points into all contours that have a place of the group: a place on a vertex moves it
-// there, one inside a segment splits that. Only groups whose places are within 0.05 mm of the point across
-// their contours - on one line but for fewer than a third of them, slices that could not be brought there,
-// which get no point -; and none that would make a slice unsound. A vertex that lies within 0.03 mm of the
-// point that comes beside it gives way to it, where `moved` (of every point of the set) says that it is no
-// longer as drawn: an edge so short forces cells a hundredth of the others' size. Where three slices or more
-// meet in a point, those of all their pairs that are as near to each other become that one. The set's points
-// and contours are laid out anew, in the same order.
+// Puts the groups' points into all contours that have a place of the group. A place on a vertex moves the
+// vertex there, and a place inside a segment splits that. A group gets its point only if its places are
+// within 0.05 mm of it, across their contours. On a single line fewer than a third of the places may be
+// further away; slices that could not be brought there get no point. No point is put in that would make a
+// slice unsound.
+//
+// A vertex within 0.03 mm of a point beside it gives way to the point if it is no longer as drawn. `moved`
+// says so for every point of the set. An edge so short forces cells a hundredth of the others' size. Where
+// three slices or more meet in a point, the points of all their pairs that are as near to each other become
+// one. The set's points are reindexed, in the same order. Complexity: O(n log n), and a check of each slice
+// for each point that it cannot have.
 SharedPoints insert_shared_points(ContourSet& set, std::span<const LineComparison> comparisons,
                                   const std::vector<bool>& moved);
 

@@ -23,7 +23,7 @@ constexpr std::uint32_t most_firsts = 3;
 // Two planes at a smaller angle do not fix where the axis is. [1, sine; 0 to 1; M 2026-11, set not recorded]
 constexpr double least_axis_sine = 0.01;
 
-// A straight line between two points, as far as contours reach along it.
+// A straight line between two points, which are as far apart as contours reach along it.
 struct AxisSegment {
     std::array<Vec3, 2> ends;
     Vec3 direction() const { return normalized(ends[1] - ends[0]); }
@@ -34,12 +34,12 @@ bool runs_through(const Plane& plane, const AxisSegment& axis) {
                        [&](Vec3 p) { return std::abs(plane.signed_distance(p)) <= rounded_plane_mm; });
 }
 
-// As far as the box of all contours reaches along it.
+// Returns the common line of two planes, as far as the box of all contours reaches along it.
 std::optional<AxisSegment> common_line(const Box3& box, const Plane& p, const Plane& q) {
     const Vec3 way = cross(p.normal, q.normal);
     const double sine = length(way);
     if (sine < least_axis_sine) return std::nullopt;
-    // The point of both planes that is nearest to p's origin.
+    // This is the point of both planes that is nearest to p's origin.
     const Vec3 across = cross(way, p.normal);
     const Vec3 at = p.origin - (q.signed_distance(p.origin) / dot(across, q.normal)) * across;
     const Vec3 direction = (1 / sine) * way;
@@ -62,7 +62,7 @@ std::vector<std::uint32_t> planes_through(const ContourSet& set, const AxisSegme
     return found;
 }
 
-// The line through which most planes run, of those of some slices and all others.
+// Returns the line that most planes pass, of the lines of some slices with all others.
 std::optional<AxisSegment> axis_of_most(const ContourSet& set) {
     Box3 box;
     for (const Vec3& p : set.points) box.extend(p);
@@ -83,7 +83,8 @@ std::optional<AxisSegment> axis_of_most(const ContourSet& set) {
     return best;
 }
 
-// An end moved across the axis to where the squared distances from the planes are least.
+// Returns an end of the axis, moved across it to where the sum of squared distances from the planes is
+// least.
 Vec3 nearest_to_all(const ContourSet& set, const std::vector<std::uint32_t>& slices, Vec3 end,
                     Vec3 direction) {
     const Plane across = make_plane(end, direction);
@@ -103,7 +104,7 @@ Vec3 nearest_to_all(const ContourSet& set, const std::vector<std::uint32_t>& sli
     return across.to_space({(uv * vd - vv * ud) / determinant, (uv * ud - uu * vd) / determinant});
 }
 
-// The plane turned to run through the axis.
+// Returns the plane, turned to contain the axis.
 Plane through(const Plane& plane, const AxisSegment& axis) {
     const Vec3 direction = axis.direction();
     const Vec3 normal = normalized(plane.normal - dot(plane.normal, direction) * direction);

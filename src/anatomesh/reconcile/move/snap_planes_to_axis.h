@@ -1,4 +1,4 @@
-// Planes and points as they were before a file rounded them.
+// snap_planes_to_axis: planes and points are restored to what they were before a file rounded them.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,16 @@ struct PlaneSnappingStats {
     double farthest_mm = 0;        // of them
 };
 
-// Where contours come from a text of few decimals their points lie beside their planes, and planes about an
-// axis, fitted to such points, beside that: then each pair of slices meets at another place, micrometres from
-// the next, and no vertex can be common to all. So planes of which more than half, and at least five, run
-// through one line within 0.05 mm as far as the box of all contours reaches along it, are turned to run
-// through it exactly (the line nearest to all, in the sense of least squares), where no point of the slice
-// comes to lie farther than that from its plane; and points go onto their planes, along the normal. What is
-// exact stays as it is. Requires: a kept set. Same result for any order of its slices but for rounding.
+// A text of few decimals leaves points beside their planes, and planes about an axis that are fitted to
+// such points leave their axis. Each pair of slices then meets in a line of its own, micrometres from the
+// next, and no vertex can be common to all.
+//
+// If more than half of the planes, and at least five, pass one line within 0.05 mm, they are turned to
+// contain it. The line counts as far as the box of all contours reaches along it, and is the nearest one
+// to all by least squares. A plane stays where a point of its slice would come to lie farther than 0.05 mm
+// from it. Points are then projected onto their planes. What is exact stays as it is.
+//
+// Requires: a kept set. Guarantees: the same result for any order of its slices, except for rounding.
 // Complexity: O(points + slices^2).
 PlaneSnappingStats snap_planes_to_axis(ContourSet& set);
 

@@ -38,7 +38,7 @@ std::vector<Split> find_splits(const ContourSet& set, const ContourGraph& graph,
     return splits;
 }
 
-// Those that keep their distance from the segment's ends and from each other.
+// Returns the splits that keep their distance from the segment's ends and from each other.
 std::vector<Split> spaced(const ContourSet& set, const ContourGraph& graph,
                           const std::vector<Split>& splits) {
     std::vector<Split> kept;

@@ -41,7 +41,7 @@ struct Touch {
     std::size_t loop = 0, vertex = 0, other = 0, segment = 0;
 };
 
-// Where on a segment, in its lengths, and how far from it.
+// The nearest place of a segment, as a share of its length, and its distance.
 struct Foot {
     double share = 0, distance = 0;
     Vec2 at;
@@ -83,7 +83,7 @@ class SliceClearance {
         return {at, drawn, plane_.to_plane(at), plane_.to_plane(drawn), is_drawn};
     }
 
-    // How far apart the two are to be: nothing where they are far enough.
+    // Returns how far apart the two are to be, or 0 where they are far enough.
     double wanted(const Point& v, const Point& a, const Point& b) const {
         const double was = foot_of(v.was, a.was, b.was).distance;
         if (was < nearly_touching * least_mm_) return 0;  // drawn so
@@ -97,7 +97,7 @@ class SliceClearance {
         const Point &v = loop.points[touch.vertex], &a = other.points[touch.segment],
                     &b = other.after(touch.segment);
         if (v.at == a.at || v.at == b.at) return false;
-        // At a neighbour of its own it is a short segment.
+        // A vertex near the end of its own segment is a short segment, and no touch.
         const Foot foot = foot_of(v.here, a.here, b.here);
         const Vec3 before = loop.points[touch.vertex > 0 ? touch.vertex - 1 : loop.points.size() - 1].at,
                    after = loop.after(touch.vertex).at;
@@ -142,7 +142,7 @@ class SliceClearance {
     }
 
     bool part(const Touch& touch) {
-        // Those before it may have changed it, or put a vertex in.
+        // An earlier touch may have changed this one, or put a vertex in.
         if (touch.vertex >= loops_[touch.loop].points.size() ||
             touch.segment >= loops_[touch.other].points.size() || !is_touch(touch))
             return false;

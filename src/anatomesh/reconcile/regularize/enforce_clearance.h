@@ -13,14 +13,15 @@ struct ClearanceStats {
     double farthest_mm = 0;  // that a contour gave way
 };
 
-// Where a vertex has come nearer to a segment of its structure's contours on the slice (of any structure's,
-// where they exclude each other) than half of `least_mm`, and was not so when drawn, it goes away from the
-// segment to that distance, or to the one it was drawn at; one that lies in the plane of another slice stays,
-// and the segment gets a vertex that goes. No cell fits between contours that all but touch, and movement
-// that is shortened where contours would cross leaves them so. What contours share stays shared. A slice that
-// would not be sound keeps a place as it is. `drawn` is kept up. Requires: a kept contour set, least_mm > 0.
-// Guarantees: a kept contour set, by exact predicates. O(n log n) and O(points of the slice + slices) a
-// place.
+// A vertex and a segment nearly touch if the movement brought them nearer than half of `least_mm`. Both
+// belong to contours of one structure on a slice, or of any two where structures exclude each other. No
+// cell fits between such contours. The vertex moves away from the segment to `least_mm`, or to the
+// distance at which they were drawn if that is less. A vertex that lies in the plane of another slice
+// stays, and the segment gets a vertex that moves instead.
+//
+// What contours share stays shared. A slice that would not be sound keeps a place as it is. `drawn` is
+// kept up. Requires: a kept contour set, least_mm > 0. Guarantees: a kept contour set, by exact
+// predicates. Complexity: O(n log n) and O(points of the slice + slices) a place.
 ClearanceStats enforce_clearance(ContourSet& set, OriginalPositions& drawn, double least_mm);
 
 }  // namespace anatomesh

@@ -14,10 +14,9 @@ namespace anatomesh {
 
 namespace {
 
-// A stretch is narrow when its ends are nearer to each other than this share of its length, and it bounds
-// less than this share of its length's square (a circle: 0.08). What was nearly so when drawn is the
-// drawing's.
-// [1; 0 to 1; M 2026-11 fetal brain]
+// A stretch is narrow if its ends are nearer to each other than this share of its length. It also bounds
+// less than this share of its length's square, of which a circle has 0.08. What was nearly so when drawn
+// belongs to the drawing. [1; 0 to 1; M 2026-11 fetal brain]
 constexpr double narrow_gap = 0.25, narrow_area = 0.045;
 constexpr double drawn_gap = 0.35, drawn_area = 0.06;
 // A corner sharper than the one, of a point that was drawn blunter than the other, is a spike.
@@ -40,7 +39,7 @@ struct RingPoint {
 };
 using Ring = std::vector<RingPoint>;
 
-// Lengths and areas of the stretches of a ring, from sums along it, twice round.
+// Holds lengths and areas of the stretches of a ring, as sums along it, twice round.
 class Stretches {
   public:
     Stretches(const Ring& ring, bool drawn) : ring_(ring), drawn_(drawn) {
@@ -97,7 +96,7 @@ double corner_degrees(Vec2 before, Vec2 at, Vec2 after) {
     return std::abs(std::atan2(cross(u, v), dot(u, v))) * 180 / std::numbers::pi;
 }
 
-// The points that were drawn next to one that was.
+// Returns the drawn points on both sides of one that was drawn.
 std::array<const RingPoint*, 2> drawn_beside(const Ring& ring, std::size_t k) {
     const std::size_t n = ring.size();
     std::size_t before = (k + n - 1) % n, after = (k + 1) % n;
@@ -106,13 +105,13 @@ std::array<const RingPoint*, 2> drawn_beside(const Ring& ring, std::size_t k) {
     return {&ring[before], &ring[after]};
 }
 
-// Of q over the way from p to r, with a sign.
+// Returns the signed height of q over the way from p to r.
 double height(Vec2 p, Vec2 q, Vec2 r) {
     const double way = length(r - p);
     return way > 0 ? cross(r - p, q - p) / way : length(q - p);
 }
 
-// Whether the movement made a sharp corner of a blunt one.
+// Returns whether the movement made a sharp corner of a blunt one.
 bool was_pulled_out(const Ring& ring, std::size_t k) {
     const RingPoint& point = ring[k];
     if (!point.was_drawn) return true;
@@ -126,14 +125,15 @@ bool was_pulled_out(const Ring& ring, std::size_t k) {
            std::abs(now - drawn) >= pulled_share * std::abs(now);
 }
 
-// The sharpest corner below an angle that was none when drawn, if its point is the contour's own.
+// Returns the sharpest corner below an angle that was none when drawn, if its point belongs to the contour
+// alone.
 std::optional<Fold> sharpest_spike(const Ring& ring, double sharp) {
     std::optional<Fold> found;
     const std::size_t n = ring.size();
     double least = sharp;
     for (std::size_t i = 0; i < n; ++i) {
         const RingPoint &a = ring[i], &b = ring[(i + 1) % n], &c = ring[(i + 2) % n];
-        // Between two common points it may be all that is there of an interval on a common line.
+        // A point between two common points may be all that is left of an interval on a common line.
         if (b.stays || (a.stays && c.stays)) continue;
         const double now = corner_degrees(a.here, b.here, c.here);
         if (now >= least || !was_pulled_out(ring, (i + 1) % n)) continue;
@@ -217,7 +217,7 @@ class FoldRemoval {
         return ring;
     }
 
-    // The slice's contours without their folds, or as they are.
+    // Gives the slice's contours without their folds, or as they are where the slice would not be sound.
     void flatten(const Slice& slice, std::vector<std::vector<Vec3>>& fresh) {
         FoldStats stats = stats_;
         const auto number = static_cast<std::size_t>(&slice - set_.slices.data());

@@ -25,15 +25,19 @@ struct FoldStats {
 };
 
 // Where a movement brings the sides of a notch together, the contour goes out and comes back beside itself
-// and bounds next to nothing: no model can follow that but with crumbs. Stretches of a contour that are
-// narrow (ends near each other and little area for their length) and were not when drawn are replaced by the
-// segment between their ends, the longest first; then single points that became sharp corners, below 75
-// degrees, of blunt ones, the sharpest first: what crossing slices pulled apart, if the movement made at
-// least half of the corner's height or that is less than 0.1 mm over the points beside it. Points that other
-// contours have too (shared walls, common points of crossing slices) stay, and so does a point between two of
-// them. A slice that would not be sound afterwards keeps its contours. `moved` holds the points that were
-// drawn, in any order; others count as moved like the point before them. The set's points are laid out anew.
-// Complexity: O(n log n), and per fold O(points of its contour x points within the longest stretch).
+// and bounds next to nothing. No model can follow that without spurious components.
+//
+// A fold is a stretch of a contour that is narrow and was not when drawn: its ends are near each other,
+// and it bounds little area for its length. It is replaced by the segment between its ends, the longest
+// fold first. A spike is a single point that became a corner below 75 degrees and was blunt before; the
+// sharpest is removed first. The movement must have made at least half of its height, or the spike is
+// lower than 0.1 mm.
+//
+// Points that other contours have too stay (shared walls, common points of crossing slices), and so does a
+// point between two of them. A slice that would not be sound afterwards keeps its contours. `moved` holds
+// the points that were drawn, in any order; any other point counts as moved like the one before it. The
+// set's points are reindexed. Complexity: O(n log n), and per fold O(points of its contour x points within
+// the longest stretch).
 FoldStats flatten_folds(ContourSet& set, std::vector<MovedPoint> moved, const FoldOptions& options);
 
 }  // namespace anatomesh

@@ -36,7 +36,7 @@ struct AxisOfPlanes {
     std::vector<std::uint32_t> slices;  // of planes through it
 };
 
-// Lines that four planes or more run through.
+// Returns the lines that four planes or more contain.
 std::vector<AxisOfPlanes> find_axes(const ContourSet& set) {
     const auto count = static_cast<std::uint32_t>(set.slices.size());
     std::vector<AxisOfPlanes> axes;
@@ -65,8 +65,8 @@ std::vector<AxisOfPlanes> find_axes(const ContourSet& set) {
     return axes;
 }
 
-// A point of a contour beside the line: how far along it and from it. It is a point of the set, or lies at a
-// share of the segment from there to the next one.
+// A point of a contour beside the line, by how far it is along the line and from it. It is a point of the
+// set, or lies at a share of the segment from there to the next one.
 struct AlongAxisPoint {
     double along = 0, from_line = 0;
     std::uint32_t point = no_node;
@@ -80,7 +80,7 @@ struct AlongAxisSegment {
     std::uint32_t a = 0, b = 0;  // indices into a half plane's points
 };
 
-// What a structure has beside the line on one side of it in a plane.
+// Holds what a structure has beside the line, on one side of it in a plane.
 struct HalfPlane {
     std::uint32_t slice = 0;
     Vec3 outward;        // unit vector across the line
@@ -88,7 +88,7 @@ struct HalfPlane {
     std::vector<AlongAxisPoint> points;
     std::vector<AlongAxisSegment> segments;
 
-    // How far from the line the first contour is at a place of it.
+    // Returns how far from the line the first contour is at a place of the line.
     double first_at(double along, double farthest) const {
         double first = farthest;
         for (const AlongAxisSegment& segment : segments) {
@@ -127,7 +127,7 @@ class AxisRegularization {
 
     const std::vector<HalfPlane>& halves() const { return halves_; }
 
-    // Says whether anything was moved.
+    // Returns whether anything was moved.
     bool run() {
         bool any = false;
         for (int step = 0; step < most_regularizing_steps; ++step) {
@@ -173,7 +173,7 @@ class AxisRegularization {
         return {axis_.line.along(set_.points[k]), dot(set_.points[k] - axis_.line.origin, half.outward)};
     }
 
-    // With points about a radius apart where it is near the line.
+    // Adds a segment, with points about a radius apart where it is near the line.
     void add_segment(HalfPlane& half, std::uint32_t low, std::uint32_t high) const {
         const AlongAxisPoint from = half.points[low], to = half.points[high];
         const Vec2 a{from.along, from.from_line}, b{to.along, to.from_line};
@@ -203,7 +203,7 @@ class AxisRegularization {
         half.segments.push_back({last, high});
     }
 
-    // There contours meet those of that slice, too.
+    // Near another plane contours meet those of its slice, so they stay there.
     bool is_near_another_plane(const HalfPlane& half, Vec2 at) const {
         const Vec3 p = axis_.line.at(at.x) + at.y * half.outward;
         for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
@@ -245,7 +245,8 @@ class AxisRegularization {
         }
     }
 
-    // The angle at a flank that runs on by `way` (along, from the line), between the ways to those beside it.
+    // Returns whether the angle at a flank, between the ways to those beside it, is too small. The flank
+    // runs on by `way` (along, from the line).
     bool is_sharp(double from_line, Vec2 way, double before, double back, double after, double on) const {
         const Vec3 edge = normalized({way.x, way.y, 0});
         const auto to = [&](double r, double azimuth) {
@@ -287,14 +288,14 @@ class AlongAxisRegularization {
     }
 
   private:
-    // Of a segment of the graph.
+    // A point that is put into a segment of the graph.
     struct InsertedAlongAxis {
         double share = 0;  // of the way from its lower node
         Vec3 at, was;
         double by_mm = 0;
     };
 
-    // What moved enough, of contours that no structure before has moved there.
+    // Takes over what moved enough, on contours that no earlier structure has moved there.
     void take(const std::vector<HalfPlane>& halves) {
         for (const HalfPlane& half : halves) {
             for (const AlongAxisPoint& point : half.points) {

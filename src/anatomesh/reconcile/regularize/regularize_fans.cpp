@@ -82,7 +82,7 @@ class FanRegularization {
     }
 
   private:
-    // The points of all contours by place.
+    // Groups the points of all contours by place.
     void find_places() {
         for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
             const Contour& contour = set_.contours[c];
@@ -100,7 +100,7 @@ class FanRegularization {
         stays_ = points_that_stay(set_, graph_);
     }
 
-    // The direction of the line that the planes of all visits share.
+    // Returns the direction of the line that the planes of all visits share.
     std::optional<Vec3> common_line(std::span<const Visit> visits) const {
         std::vector<std::uint32_t> slices;
         for (const Visit& visit : visits) slices.push_back(visit.slice);
@@ -139,7 +139,7 @@ class FanRegularization {
             }
             first = last;
         }
-        // Every structure that has a leg, or none.
+        // A leg moves for every structure that has it, or for none.
         for (const bool moves : {false, true}) {
             for (const Visit& visit : visits) {
                 for (const bool forward : {false, true}) {
@@ -162,7 +162,7 @@ class FanRegularization {
         return forward ? point_after(contour, point) : point_before(contour, point);
     }
 
-    // As the crow flies, to the next point that stays; three times the radius where that is further.
+    // Returns the straight distance to the next point that stays, or three radii where that is further.
     double way_to_next(const Visit& visit, bool forward) const {
         const Contour& contour = set_.contours[visit.contour];
         const double far = options_.radius_mm / share_of_way;
@@ -177,7 +177,8 @@ class FanRegularization {
         return share_of_way * way_to_next(visit, forward);
     }
 
-    // For which half of the legs or more have room; the least room where fewer have any to speak of.
+    // Returns a radius for which half of the legs or more have room, or the least room where fewer have
+    // enough.
     double radius_at(std::span<const Visit> visits) const {
         double least = options_.radius_mm, radius = options_.radius_mm;
         std::size_t with_room = 0;
@@ -193,13 +194,14 @@ class FanRegularization {
         return with_room >= visits.size() ? radius : least;
     }
 
-    // One leg in every half plane, by azimuth; none where the contours are not so.
+    // Returns one leg in every half plane, by azimuth, or nothing where the contours are not so.
     std::optional<std::vector<Leg>> fan_of(std::span<const Visit> visits, Vec3 line, double radius) const {
         std::vector<Leg> fan;
         const Vec3 across = set_.slices[visits.front().slice].plane.normal, along = cross(line, across);
         for (const Visit& visit : visits) {
             for (const bool forward : {false, true}) {
-                // Up to a point that stays, however near: there the leg may turn elsewhere.
+                // A leg reaches up to a point that stays, however near, because it may turn elsewhere
+                // there.
                 const double room = std::min(radius, room_of(visit, forward));
                 if (!(room > 0)) return {};
                 Leg leg = leg_of(visit, forward, room);
@@ -249,7 +251,7 @@ class FanRegularization {
         }
     }
 
-    // Where the way from p, within the radius, to q leaves the ball.
+    // Returns where the way from p, within the radius, to q leaves the ball.
     static Vec3 crossing(Vec3 centre, Vec3 p, Vec3 q, double radius) {
         const Vec3 way = q - p, from = p - centre;
         const double a = squared_length(way), b = dot(way, from), c = squared_length(from) - radius * radius;
@@ -261,7 +263,7 @@ class FanRegularization {
         return std::cos(leg.latitude) * leg.radial + std::sin(leg.latitude) * line;
     }
 
-    // Between the facets from a leg to its neighbours, at the leg; degrees.
+    // Returns the angle at a leg between the facets to its neighbours, degrees.
     static double angle_at(Vec3 before, Vec3 leg, Vec3 after) {
         const Vec3 p = cross(leg, before), q = cross(leg, after);
         return degrees(std::atan2(length(cross(p, q)), dot(p, q)));
@@ -275,7 +277,7 @@ class FanRegularization {
         return false;
     }
 
-    // Whether there was one.
+    // Turns legs that are too steep. Returns whether there was one.
     bool turn_steep(std::vector<Leg>& fan) const {
         const double most = options_.steepest_degrees * std::numbers::pi / 180;
         bool turned = false;
@@ -287,7 +289,7 @@ class FanRegularization {
         return turned;
     }
 
-    // Whether a leg was turned.
+    // Turns the legs of a fan until none is sharp. Returns whether a leg was turned.
     bool turn(std::vector<Leg>& fan, Vec3 line) const {
         const std::size_t n = fan.size();
         std::vector<Vec3> ways(n);
@@ -312,7 +314,7 @@ class FanRegularization {
         return turned;
     }
 
-    // Structures that share a wall share its legs.
+    // Structures that share a wall share its legs, so legs are named by nodes.
     std::pair<std::uint32_t, std::uint32_t> key_of(const Leg& leg) const {
         return {graph_.node_of_point[leg.pole],
                 graph_.node_of_point[next(set_.contours[leg.contour], leg.pole, leg.forward)]};
@@ -373,7 +375,7 @@ class FanRegularization {
         drawn_ = std::move(drawn);
     }
 
-    // Of two poles' legs on one segment the nearer comes first.
+    // Of two poles' points on one segment the nearer comes first.
     std::vector<InsertedPoint> ordered(std::uint32_t k) const {
         std::vector<InsertedPoint> points = put_in_[k];
         std::sort(points.begin(), points.end(), [&](const InsertedPoint& p, const InsertedPoint& q) {

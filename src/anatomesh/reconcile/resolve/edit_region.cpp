@@ -21,7 +21,7 @@ bool less(Vec3 a, Vec3 b) {
     return lexicographic_less(a, b);
 }
 
-// Undirected.
+// A segment without direction.
 using SegmentKey = std::array<Vec3, 2>;
 SegmentKey key_of(Vec3 a, Vec3 b) {
     return less(b, a) ? SegmentKey{b, a} : SegmentKey{a, b};
@@ -30,13 +30,13 @@ bool key_less(const SegmentKey& p, const SegmentKey& q) {
     return p[0] != q[0] ? less(p[0], q[0]) : less(p[1], q[1]);
 }
 
-// A place to be put into a segment.
+// A place that is put into a segment.
 struct CutPoint {
     SegmentKey segment;
     Vec3 at;
 };
 
-// By segment, and along it.
+// Sorts by segment, and along it.
 std::vector<CutPoint> in_order(std::vector<CutPoint> all) {
     std::sort(all.begin(), all.end(), [](const CutPoint& p, const CutPoint& q) {
         if (p.segment != q.segment) return key_less(p.segment, q.segment);
@@ -76,7 +76,8 @@ std::vector<Vec3> with_places(const ContourSet& set, const Contour& contour,
     return points;
 }
 
-// The contours of a slice and the edited regions as a plane graph, and whose each of its faces comes to be.
+// Holds the contours of a slice and the edited regions as a plane graph, and says to whom each face
+// belongs after the edit.
 class EditedFaces {
   public:
     EditedFaces(const ContourSet& set, const RegionEdit& edit) : set_(set), edit_(edit) {}
@@ -99,7 +100,7 @@ class EditedFaces {
 
     bool is_edited(std::uint32_t structure) const { return set_.exclusive || structure == edit_.structure; }
 
-    // Where segments of the contours were cut, for others that have the same segments.
+    // Returns where segments of the contours were cut, for others that have the same segments.
     std::vector<CutPoint> cuts() const {
         std::vector<CutPoint> all;
         std::size_t ring = 0;
@@ -117,13 +118,13 @@ class EditedFaces {
                     of_ring.push_back({key_of(points[last], points[(last + 1) % points.size()]), at});
                 }
             }
-            // Not where a crossing took the place of a point.
+            // A crossing may have taken the place of a point, which then is no cut.
             if (last + 1 == points.size()) all.insert(all.end(), of_ring.begin(), of_ring.end());
         }
         return in_order(std::move(all));
     }
 
-    // The rings that bound what a structure comes to have.
+    // Returns the rings that bound what a structure has after the edit.
     std::vector<std::vector<Vec3>> rings_of(std::uint32_t structure) const {
         std::vector<bool> has;
         for (const Winding& winding : graph_->windings) has.push_back(comes_to_have(winding, structure));
@@ -148,7 +149,7 @@ class EditedFaces {
     }
 
   private:
-    // Even-odd: a hole takes away what the contour around it draws.
+    // By the even-odd rule a hole takes away what the contour around it draws.
     bool comes_to_have(const Winding& winding, std::uint32_t structure) const {
         bool has = false;
         for (const RingTurns& turns : winding) {
@@ -165,7 +166,7 @@ class EditedFaces {
     std::optional<Arrangement> graph_;
 };
 
-// The segments of a structure's contours on a slice, sorted.
+// Returns the segments of a structure's contours on a slice, sorted.
 std::vector<SegmentKey> segments_of(const ContourSet& set, const Slice& slice, std::uint32_t structure) {
     std::vector<SegmentKey> segments;
     for (const Contour& contour : set.contours_of(slice)) {
@@ -192,7 +193,7 @@ bool has(const std::vector<SegmentKey>& sorted, const SegmentKey& key) {
     return std::binary_search(sorted.begin(), sorted.end(), key, key_less);
 }
 
-// From the segments that only the first has to the nearest of the second's.
+// Returns the largest distance from segments that only the first has to the nearest one of the second.
 double farthest_from(const std::vector<SegmentKey>& own, const std::vector<SegmentKey>& other) {
     double farthest = 0;
     for (const SegmentKey& segment : own) {

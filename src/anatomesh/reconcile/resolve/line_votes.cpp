@@ -51,7 +51,7 @@ bool LineVotes::most_agree(const LineComparison& comparison, std::uint32_t own, 
         const LineComparison& one = comparisons_[of_slice_[n]];
         if (one.structure != comparison.structure || !runs_by(one.line, comparison.line, place)) continue;
         const double there = one.line.along(place);
-        // Beyond what the other one says something of, or is compared on.
+        // A slice has no vote beyond the part of the line that it says something of.
         const auto& [first, last] = own == one.a ? one.seen_by_b : one.seen_by_a;
         if (!(there >= first && there <= last)) continue;
         if (is_inside(own == one.a ? one.endpoints_a : one.endpoints_b, there) != inside) continue;

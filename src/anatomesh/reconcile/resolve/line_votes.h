@@ -1,4 +1,4 @@
-// LineVotes: what most of the slices that meet in one line say of a place on it.
+// LineVotes: the majority of the slices that meet in one line, for a place on it.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@ class LineVotes {
     // Requires: the comparisons outlive this and stay as they are.
     explicit LineVotes(std::span<const LineComparison> comparisons);
 
-    // Whether the comparison's slice `own` says of the structure at `t` on its line (inside or outside) what
-    // more of the slices through that line say than say the other; those that say nothing there do not count.
-    // Never so with two slices. Slices whose lines run by within 0.05 mm there, as rounded planes' do, count.
-    // Requires: `own` has ends on the line: two slices without have no comparison and do not count for each
-    // other. Complexity: O(comparisons of `own`).
+    // Returns whether slice `own` of the comparison agrees with the majority about the structure at `t` on
+    // its line, inside or outside. Of the slices through that line those that say nothing there do not
+    // count; two slices alone have no majority. Slices whose lines pass within 0.05 mm there count, as
+    // those of rounded planes do. Requires: `own` has endpoints on the line, because two slices without
+    // any have no comparison and do not count for each other. Complexity: O(comparisons of `own`).
     bool most_agree(const LineComparison& comparison, std::uint32_t own, double t) const;
 
   private:

@@ -11,7 +11,7 @@ namespace anatomesh {
 
 namespace {
 
-// A contour in coordinates along the line and across it.
+// Gives a contour in coordinates along the line and across it.
 class FromLine {
   public:
     FromLine(const ContourSet& set, const Slice& slice, const Line& line, const Plane& other)
@@ -27,7 +27,7 @@ class FromLine {
     }
     Vec2 away_from(double side) const { return (-side / sine_) * across_; }
 
-    // The share of the segment at which it lies beside t; its ends lie on either side of that.
+    // Returns the share of the segment at which it passes t. Requires: its ends lie on either side of t.
     double share_at(double t, std::uint32_t from, std::uint32_t to) const {
         return (t - along(from)) / (along(to) - along(from));
     }
@@ -90,7 +90,7 @@ NearestArc nearest_arc(const ContourSet& set, std::uint32_t own, std::uint32_t s
     const auto is_beside = [&](std::uint32_t point) {
         return seen.along(point) > low && seen.along(point) < high;
     };
-    // Back to where the arc begins, and on to where it ends.
+    // The arc is followed back to where it begins, and on to where it ends.
     std::uint32_t first = nearest.from, last = nearest.to;
     for (std::uint32_t n = 0; n < contour.point_count && is_beside(first); ++n) {
         const std::uint32_t before = point_before(contour, first);

@@ -31,7 +31,7 @@ constexpr double least_edit_gain = 0.5;
 // with stacks]
 constexpr double least_difference_mm = 0.1;
 
-// Where on a line a piece begins or ends.
+// Where an interval begins or ends on its line.
 struct IntervalEnd {
     double t = 0;
     Vec3 at;
@@ -69,7 +69,7 @@ std::vector<ConflictingInterval> conflicting_intervals_of(const LineComparison& 
     return intervals;
 }
 
-// A change of one slice.
+// A change of one slice that resolves an interval.
 struct IntervalEdit {
     std::uint32_t slice = 0, other = 0;
     bool inside = false;
@@ -77,7 +77,7 @@ struct IntervalEdit {
     std::vector<EditedRing> rings;
 };
 
-// The ways in which a slice can come to have on a piece what the other one has.
+// Makes the changes by which a slice comes to have on an interval what the other one has.
 class IntervalEdits {
   public:
     IntervalEdits(const ContourSet& set, const ConflictingInterval& interval, bool of_a,
@@ -108,7 +108,7 @@ class IntervalEdits {
             add(std::move(*rings), all);
     }
 
-    // What lies beside the line alone, where no contour is near that could come there.
+    // Adds a change of the strip beside the line alone, for where no contour is near enough to come there.
     void add_lone_to(std::vector<IntervalEdit>& all) {
         const std::vector<std::vector<Vec3>> regions{beside_the_line()};
         std::optional<std::vector<EditedRing>> rings =
@@ -129,7 +129,7 @@ class IntervalEdits {
         if (farthest <= most) all.push_back({slice_, other_, inside_, farthest, std::move(rings)});
     }
 
-    // What was cut off goes, or is filled.
+    // Adds changes in which what was cut off is removed, or filled.
     void add_without_cut_off(const std::vector<EditedRing>& narrow, std::vector<IntervalEdit>& all) const {
         const ContourSet edited = with_edited(set_, slice_, narrow);
         for (const EditedRing& ring : narrow) {
@@ -140,8 +140,8 @@ class IntervalEdits {
         }
     }
 
-    // A strip along the piece, that goes on a little beyond an end of the slice's own contour, and runs out
-    // into an end of the other's.
+    // Returns a strip along the interval. It goes on a little beyond an end of the slice's own contour,
+    // and narrows to a point at an end of the other slice's contour.
     std::vector<Vec3> beside_the_line() const {
         const bool from_own = interval_.low.of_a == of_a_, to_own = interval_.high.of_a == of_a_;
         const double length = interval_.length_mm();
@@ -165,7 +165,7 @@ class IntervalEdits {
         return region;
     }
 
-    // From the line to the contour beside the piece.
+    // Returns the region from the line to the contour beside the interval.
     std::vector<Vec3> up_to(const NearestArc& arc) const {
         struct PlaceOnLine {
             double t;
@@ -194,7 +194,7 @@ class IntervalEdits {
     const ConflictingIntervalOptions& options_;
 };
 
-// With how many slices each one differs about each structure.
+// Counts with how many slices each one differs about each structure.
 class Contradicted {
   public:
     Contradicted(const ContourSet& set, std::span<const LineComparison> comparisons)
@@ -239,7 +239,7 @@ class IntervalResolution {
         return {interval.a, interval.b, interval.structure, interval.low.t, interval.high.t};
     }
 
-    // The first piece that can be resolved.
+    // Resolves the first interval that can be resolved. Returns whether there was one.
     bool resolve_one() {
         const LineVotes votes(comparisons_);
         for (std::size_t c = 0; c < comparisons_.size(); ++c) {
@@ -288,7 +288,7 @@ class IntervalResolution {
         return false;
     }
 
-    // Points that were there were drawn where they were.
+    // Keeps the original positions of points that stay; a new point was drawn where it is.
     void carry_drawn(const ContourSet& changed) {
         OriginalPositions now{changed.points, std::vector<bool>(changed.points.size(), false)};
         for (std::size_t s = 0; s < changed.slices.size(); ++s) {
