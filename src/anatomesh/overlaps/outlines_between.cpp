@@ -26,10 +26,12 @@ namespace anatomesh {
 
 namespace {
 
-// A step of the lattice is at most this share of the mean distance of drawn vertices. It is also at most
-// the second share of the mean length of a contour, which may have few vertices. [1; 0 to 1; M 2026-11
-// random solids]
-constexpr double lattice_share = 0.5, contour_share = 1.0 / 96;
+// A step of the lattice is at most this share of the mean distance of drawn vertices.
+// [1; 0 to 1; M 2026-11 random solids]
+constexpr double lattice_share = 0.5;
+// It is also at most this share of the mean length of a contour, which may have few vertices.
+// [1; 0 to 1; M 2026-11 random solids]
+constexpr double contour_share = 1.0 / 96;
 // Vertices are left out where the outline moves by this share of a step at most. [1; 0 to 1; M 2026-11, set
 // not recorded]
 constexpr double most_moved_steps = 0.05;

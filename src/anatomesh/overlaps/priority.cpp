@@ -20,9 +20,11 @@ namespace anatomesh {
 namespace {
 
 constexpr std::uint32_t no_slice = 0xFFFFFFFFu;  // [1; -; D]
-// Planes that differ by less are one, as cleaning has it. [mm; > 0; M 2026-11, set not recorded] [1, sine; >
-// 0; M 2026-11, set not recorded]
-constexpr double same_plane_mm = 0.01, same_normal = 1e-4;
+// Planes that are nearer to each other and whose normals differ by less are one, as cleaning has it.
+// [mm; > 0; M 2026-11, set not recorded]
+constexpr double same_plane_mm = 0.01;
+// See there. [1; > 0; M 2026-11, set not recorded]
+constexpr double same_normal = 1e-4;
 
 bool are_one(const Plane& p, const Plane& q) {
     return length(p.normal - q.normal) < same_normal && std::abs(p.signed_distance(q.origin)) < same_plane_mm;

@@ -11,15 +11,17 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t most_named_pairs = 10;  // [warnings; >= 1; B]
-// Pairs of slices are named that differ by more than both: a length, and a share of the bound.
-// [mm; >= 0; M 2026-11, set not recorded] [1; 0 to 1; M 2026-11, set not recorded]
-constexpr double named_mm = 0.5, named_share = 0.05;
+// Pairs of slices are named that differ by more than this. [mm; >= 0; M 2026-11, set not recorded]
+constexpr double named_mm = 0.5;
+// They also differ by more than this share of the bound. [1; 0 to 1; M 2026-11, set not recorded]
+constexpr double named_share = 0.05;
 // A smaller change of a contour that moving did not bring to agree is not named. [mm; >= 0; M 2026-11, set
 // not recorded]
 constexpr double least_named_change_mm = 0.1;
-// A slice is an outlier if its median disagreement is above both: a length, and a multiple of that of all.
-// [mm; > 0; M 2026-11, set not recorded] [1; > 1; M 2026-11, set not recorded]
-constexpr double outlier_mm = 2, outlier_factor = 4;
+// A slice is an outlier if its median disagreement is above this. [mm; > 0; M 2026-11, set not recorded]
+constexpr double outlier_mm = 2;
+// It is also above this multiple of the median of all slices. [1; > 1; M 2026-11, set not recorded]
+constexpr double outlier_factor = 4;
 
 class ReconcileWarnings {
   public:

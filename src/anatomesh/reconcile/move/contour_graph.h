@@ -51,10 +51,12 @@ struct EndpointPlaces {
 EndpointPlaces place_endpoints(const ContourSet& set, const ContourGraph& graph,
                                std::span<const LineComparison> comparisons);
 
-// Contours' normals are taken over chords of these half lengths. The first is for endpoints that move. The
-// second is for measuring disagreement, where a longer chord sees less of the noise of drawing. [mm; > 0; M
-// 2026-11, set not recorded]
-inline constexpr double moving_chord_mm = 1, measuring_chord_mm = 2;
+// Contours' normals are taken over chords of this half length where endpoints move. [mm; > 0; M 2026-11, set
+// not recorded]
+inline constexpr double moving_chord_mm = 1;
+// They are taken over longer chords where disagreement is measured: these see less of the noise of drawing.
+// [mm; > 0; M 2026-11, set not recorded]
+inline constexpr double measuring_chord_mm = 2;
 
 // Returns the unit normal of the contour at an endpoint, in the frame of its slice. It is taken across the
 // chord of the contour that reaches at least `reach` mm, or one segment, to both sides. O(points within

@@ -11,11 +11,12 @@
 
 namespace anatomesh {
 
-// Contours that are drawn back keep a distance from the other slice's plane: the length at least, and the
-// share of the mean distance between vertices. Nearer to the line two planes are so close to each other
-// that no cells of any shape fit between. [mm; > 0; M 2026-11, set not recorded] [1; 0 to 1; M 2026-11,
-// set not recorded]
-inline constexpr double least_clearance_mm = 0.1, clearance_share = 0.1;
+// Contours that are drawn back keep this distance at least from the other slice's plane. Nearer to the line
+// two planes are so close to each other that no cells of any shape fit between. [mm; > 0; M 2026-11, set not
+// recorded]
+inline constexpr double least_clearance_mm = 0.1;
+// They also keep this share of the mean distance between vertices. [1; 0 to 1; M 2026-11, set not recorded]
+inline constexpr double clearance_share = 0.1;
 
 // Per node of the graph, and then per place inside a segment: an anchor on the line of its group, pinned
 // where lines of several planes meet, or free. O(nodes + places).

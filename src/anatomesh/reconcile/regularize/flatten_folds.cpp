@@ -14,14 +14,21 @@ namespace anatomesh {
 
 namespace {
 
-// A stretch is narrow if its ends are nearer to each other than this share of its length. It also bounds
-// less than this share of its length's square, of which a circle has 0.08. What was nearly so when drawn
-// belongs to the drawing. [1; 0 to 1; M 2026-11 fetal brain]
-constexpr double narrow_gap = 0.25, narrow_area = 0.045;
-constexpr double drawn_gap = 0.35, drawn_area = 0.06;
-// A corner sharper than the one, of a point that was drawn blunter than the other, is a spike.
-// [degrees; 0 to 180; M 2026-11 fetal brain]
-constexpr double sharp_degrees = 75, blunt_degrees = 100;
+// A stretch is narrow if its ends are nearer to each other than this share of its length.
+// [1; 0 to 1; M 2026-11 fetal brain]
+constexpr double narrow_gap = 0.25;
+// It also bounds less than this share of its length's square, of which a circle has 0.08.
+// [1; 0 to 0.08; M 2026-11 fetal brain]
+constexpr double narrow_area = 0.045;
+// What was nearly so when drawn belongs to the drawing: this is the share of its length.
+// [1; narrow_gap to 1; M 2026-11 fetal brain]
+constexpr double drawn_gap = 0.35;
+// This is the share of its length's square. [1; narrow_area to 0.08; M 2026-11 fetal brain]
+constexpr double drawn_area = 0.06;
+// A corner that is sharper than this may be a spike. [degrees; 0 to 180; M 2026-11 fetal brain]
+constexpr double sharp_degrees = 75;
+// It is one if its point was drawn blunter than this. [degrees; sharp_degrees to 180; M 2026-11 fetal brain]
+constexpr double blunt_degrees = 100;
 // A sharper corner bounds next to nothing and is cut off wherever it is. [degrees; 0 to sharp_degrees; M
 // 2026-11, set not recorded]
 constexpr double needle_degrees = 15;

@@ -16,8 +16,10 @@ namespace anatomesh {
 
 namespace {
 
-// Each try compares all slices anew. [1; > 0; B]
-constexpr std::size_t most_edits = 200, most_tries = 1000;
+// Each change needs a comparison of all slices. [changes; > 0; B]
+constexpr std::size_t most_edits = 200;
+// So does each try. [tries; > 0; B]
+constexpr std::size_t most_tries = 1000;
 // A change that is more times larger than its interval, or than the clearance, would make a spike.
 // [1; >= 1; M 2026-11 140 random sets with stacks]
 constexpr double most_times = 3;

@@ -12,7 +12,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t block_size = 16;
+constexpr std::uint32_t block_size = 16;  // [points; >= 1; B]
 
 // A ball round a run of a contour's segments: those that begin at points [first, first + count).
 struct Block {
