@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "anatomesh/reconcile/compare/reconcile_warnings.h"
-#include "anatomesh/reconcile/finishing_steps.h"
-#include "anatomesh/reconcile/moving_steps.h"
-#include "anatomesh/reconcile/preparing_steps.h"
+#include "anatomesh/reconcile/reconcile_finish.h"
+#include "anatomesh/reconcile/reconcile_move.h"
+#include "anatomesh/reconcile/reconcile_prepare.h"
 
 namespace anatomesh {
 

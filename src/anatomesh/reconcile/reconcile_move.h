@@ -5,7 +5,7 @@
 
 namespace anatomesh {
 
-// Moves contours in rounds (movement_rounds.h) and puts common points in where slices agree then. Folds
+// Moves contours in rounds (reconcile_rounds.h) and puts common points in where slices agree then. Folds
 // and spikes that the movement made are cut off, unless slices would agree less without them.
 ReconcileStep move_and_join;
 
@@ -14,7 +14,7 @@ ReconcileStep move_and_join;
 ReconcileStep repeat_with_more_vertices;
 
 // Repeats it with what a slice lacks altogether, though most slices have it, taken over the line
-// (arcs_over_lines.h). A repetition is kept if, besides, all arcs came there; the arcs that did not are given
+// (reconcile_arcs.h). A repetition is kept if, besides, all arcs came there; the arcs that did not are given
 // up, and the others taken again. What came over is repeated with more vertices once more.
 ReconcileStep take_arcs_over_lines;
 

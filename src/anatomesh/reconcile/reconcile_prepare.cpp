@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/preparing_steps.h"
+#include "anatomesh/reconcile/reconcile_prepare.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/finishing_steps.h"
+#include "anatomesh/reconcile/reconcile_finish.h"
 
 #include <algorithm>
 #include <optional>

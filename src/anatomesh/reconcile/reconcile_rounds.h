@@ -1,7 +1,7 @@
 // move_in_rounds: contours move in their planes, round after round, until crossing slices agree.
 #pragma once
 
-#include "anatomesh/reconcile/arcs_over_lines.h"
+#include "anatomesh/reconcile/reconcile_arcs.h"
 #include "anatomesh/reconcile/reconcile_state.h"
 
 namespace anatomesh {

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/movement_rounds.h"
+#include "anatomesh/reconcile/reconcile_rounds.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,14 +1,14 @@
-#include "anatomesh/reconcile/moving_steps.h"
+#include "anatomesh/reconcile/reconcile_move.h"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "anatomesh/reconcile/arcs_over_lines.h"
 #include "anatomesh/reconcile/compare/contradictions.h"
 #include "anatomesh/reconcile/compare/disagreement.h"
 #include "anatomesh/reconcile/move/split_at_endpoints.h"
-#include "anatomesh/reconcile/movement_rounds.h"
+#include "anatomesh/reconcile/reconcile_arcs.h"
+#include "anatomesh/reconcile/reconcile_rounds.h"
 #include "anatomesh/reconcile/regularize/flatten_folds.h"
 
 namespace anatomesh {

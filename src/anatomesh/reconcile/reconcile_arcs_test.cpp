@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/arcs_over_lines.h"
+#include "anatomesh/reconcile/reconcile_arcs.h"
 
 #include <gtest/gtest.h>
 
