@@ -194,15 +194,15 @@ Bounds bounds_of(const Cell& cell, const std::vector<VertexMembership>& sides) {
 }
 
 // Of the points from `first_new` on.
-std::vector<double> tolerances_of(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-                                  std::span<const std::uint32_t> chosen, std::size_t first_new,
+std::vector<double> tolerances_of(const ChosenCells& mesh, std::size_t first_new,
                                   const SurfaceTolerance& tolerance) {
+    const std::vector<Vec3>& points = mesh.points;
     if (tolerance.of_edge == 0) return std::vector<double>(points.size() - first_new, tolerance.mm);
     const double far = tolerance.mm / tolerance.of_edge;
     std::vector<double> squared(points.size() - first_new, far * far);
-    for (const std::uint32_t c : chosen) {
+    for (const std::uint32_t c : mesh.chosen) {
         for (const auto& [i, j] : cell_edges) {
-            const std::uint32_t a = cells[c][i], b = cells[c][j];
+            const std::uint32_t a = mesh.cells[c][i], b = mesh.cells[c][j];
             if (a < first_new && b < first_new) continue;
             const double edge = squared_length(points[a] - points[b]);
             for (const std::uint32_t v : {a, b}) {
@@ -216,18 +216,17 @@ std::vector<double> tolerances_of(const std::vector<Vec3>& points, const std::ve
 
 }  // namespace
 
-void find_sides(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-                std::span<const std::uint32_t> chosen, const StructureField& field, std::uint32_t structures,
-                const SurfaceTolerance& tolerance, std::vector<VertexMembership>& sides,
-                RegionRegistry& registry, RunContext& context) {
-    const std::size_t first_new = sides.size(), count = points.size() - first_new;
-    const std::vector<double> tolerances = tolerances_of(points, cells, chosen, first_new, tolerance);
+void find_memberships(const ChosenCells& mesh, const StructureField& field, std::uint32_t structures,
+                      const SurfaceTolerance& tolerance, std::vector<VertexMembership>& memberships,
+                      RegionRegistry& registry, RunContext& context) {
+    const std::size_t first_new = memberships.size(), count = mesh.points.size() - first_new;
+    const std::vector<double> tolerances = tolerances_of(mesh, first_new, tolerance);
     PieceNumbers interior_of(count), closure_of(count);
     std::vector<double> depth(count);
     parallel_for(count, grain, context.threads, [&](std::size_t first, std::size_t last) {
         CellClassifier classifier(field, structures);
         for (std::size_t n = first; n < last; ++n) {
-            const CellClassifier::Side& side = classifier.side(points[first_new + n], tolerances[n]);
+            const CellClassifier::Side& side = classifier.side(mesh.points[first_new + n], tolerances[n]);
             interior_of.set(n, side.interior_of);
             closure_of.set(n, side.closure_of);
             depth[n] = side.depth;
@@ -236,14 +235,15 @@ void find_sides(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
     interior_of.join(registry);
     closure_of.join(registry);
     for (std::size_t n = 0; n < count; ++n)
-        sides.push_back({interior_of.region(n), closure_of.region(n), depth[n]});
+        memberships.push_back({interior_of.region(n), closure_of.region(n), depth[n]});
 }
 
-CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-               std::span<const std::uint32_t> chosen, const std::vector<VertexMembership>& sides,
+CullStats cull(const ChosenCells& mesh, const std::vector<VertexMembership>& memberships,
                const StructureField& field, std::uint32_t structures, std::vector<Region>& regions,
                RegionRegistry& registry, RunContext& context) {
-    assert(regions.size() == cells.size() && sides.size() == points.size());
+    assert(regions.size() == mesh.cells.size() && memberships.size() == mesh.points.size());
+    const std::vector<Vec3>& points = mesh.points;
+    const std::span<const std::uint32_t> chosen = mesh.chosen;
     CullStats stats;
     PieceNumbers numbers(chosen.size());
     const RegionTable& table = registry.table();
@@ -251,15 +251,15 @@ CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
         CellClassifier classifier(field, structures);
         Members members;
         for (std::size_t n = first; n < last; ++n) {
-            const Cell& cell = cells[chosen[n]];
-            const Bounds bounds = bounds_of(cell, sides);
+            const Cell& cell = mesh.cells[chosen[n]];
+            const Bounds bounds = bounds_of(cell, memberships);
             if (bounds.settled) {
                 numbers.set(n, table.members[bounds.region]);
                 continue;
             }
             const auto allowed = [&](const Members& there) {
                 return std::all_of(cell.begin(), cell.end(),
-                                   [&](std::uint32_t v) { return allows(table, sides[v], there); });
+                                   [&](std::uint32_t v) { return allows(table, memberships[v], there); });
             };
             classifier.classify({points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]},
                                 bounds.one_allowed, allowed, members);

@@ -24,15 +24,21 @@ struct SurfaceTolerance {
     double of_edge = 0;  // and in shares of the point's shortest edge when its side is found; 0: any. [0, 1]
 };
 
-// The side of every point from sides.size() on, appended to `sides`; those before stay, whatever comes beside
-// them. Requires: `chosen` has all cells at the new points. Same result at any thread count. Complexity: a few
-// field values a point; with `of_edge` also O(chosen), on one thread.
-void find_sides(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-                std::span<const std::uint32_t> chosen, const StructureField& field, std::uint32_t structures,
-                const SurfaceTolerance& tolerance, std::vector<VertexMembership>& sides,
-                RegionRegistry& registry, RunContext& context);
+// The cells of a mesh that a call is about: all of them, or those that are new.
+struct ChosenCells {
+    const std::vector<Vec3>& points;
+    const std::vector<Cell>& cells;
+    std::span<const std::uint32_t> chosen;  // indices of cells, without repeats
+};
 
-// Decides the regions of the cells with the indices `chosen`, each in this order:
+// Finds the membership of every point from memberships.size() on and appends it to `memberships`; those before
+// stay, whatever comes beside them. Requires: `mesh` has all cells at the new points among the chosen ones. Same
+// result at any thread count. Complexity: a few field values a point; with `of_edge` also O(chosen), on one thread.
+void find_memberships(const ChosenCells& mesh, const StructureField& field, std::uint32_t structures,
+                      const SurfaceTolerance& tolerance, std::vector<VertexMembership>& memberships,
+                      RegionRegistry& registry, RunContext& context);
+
+// Decides the regions of the chosen cells, each in this order:
 // 1. the region of all its vertices, if these are off the interfaces and lie in one;
 // 2. of the regions at five points in the cell (its centroid and the four points half-way from there to the
 //    vertices) that its vertices may all belong to, that which weighs most, by distance to the interface;
@@ -43,8 +49,7 @@ void find_sides(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
 // shells thinner than a cell, all of whose vertices lie on contours; rules 2 and 3 keep them. Same result at
 // any thread count. Complexity: at most five field values a cell. Follows: Archip et al., Comput. Methods
 // Programs Biomed. 82, 2006, section 2.4 (culling).
-CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-               std::span<const std::uint32_t> chosen, const std::vector<VertexMembership>& sides,
+CullStats cull(const ChosenCells& mesh, const std::vector<VertexMembership>& memberships,
                const StructureField& field, std::uint32_t structures, std::vector<Region>& regions,
                RegionRegistry& registry, RunContext& context);
 

@@ -77,10 +77,10 @@ TEST(Cull, cells_of_a_grid_away_from_the_surface_are_as_the_field_says) {
 TEST(Cull, sides_name_the_region_of_every_point_or_the_interface) {
     const AnalyticField field({ball({}, 5)}, 6);
     const CulledMesh mesh = culled_mesh(field, 1, 1);
-    ASSERT_EQ(mesh.sides.size(), mesh.points().size());
-    for (std::size_t n = 0; n < mesh.sides.size(); ++n) {
+    ASSERT_EQ(mesh.memberships.size(), mesh.points().size());
+    for (std::size_t n = 0; n < mesh.memberships.size(); ++n) {
         const double distance = length(mesh.points()[n]) - 5;
-        const VertexMembership& side = mesh.sides[n];
+        const VertexMembership& side = mesh.memberships[n];
         EXPECT_EQ(side.off_interfaces(), std::abs(distance) > 0.02);
         EXPECT_EQ(mesh.registry.table().members[side.interior_of].size(), distance < -0.02 ? 1u : 0u);
         EXPECT_EQ(mesh.registry.table().members[side.closure_of].size(), distance <= 0.02 ? 1u : 0u);
@@ -101,13 +101,13 @@ TEST(Cull, sides_go_by_the_shortest_edge_where_asked) {
     }
     std::size_t nearer = 0;
     for (const double share : {0.05, 0.5}) {
-        mesh.sides.clear();
+        mesh.memberships.clear();
         mesh.update(field, 1, {0.9, share});
-        for (std::size_t n = 0; n < mesh.sides.size(); ++n) {
+        for (std::size_t n = 0; n < mesh.memberships.size(); ++n) {
             const double distance = std::abs(length(mesh.points()[n]) - 5);
             if (std::abs(distance - std::min(0.9, share * shortest[n])) < 1e-9) continue;
-            EXPECT_EQ(mesh.sides[n].off_interfaces(), distance > std::min(0.9, share * shortest[n]));
-            nearer += distance < 0.9 && mesh.sides[n].off_interfaces();
+            EXPECT_EQ(mesh.memberships[n].off_interfaces(), distance > std::min(0.9, share * shortest[n]));
+            nearer += distance < 0.9 && mesh.memberships[n].off_interfaces();
         }
     }
     EXPECT_GT(nearer, 10u);
@@ -119,8 +119,8 @@ TEST(Cull, sides_tell_structures_that_overlap_apart) {
     const CulledMesh mesh = culled_mesh(field, 2, 1);
     const RegionTable& table = mesh.registry.table();
     std::size_t on_one = 0;
-    for (std::size_t n = 0; n < mesh.sides.size(); ++n) {
-        const VertexMembership& side = mesh.sides[n];
+    for (std::size_t n = 0; n < mesh.memberships.size(); ++n) {
+        const VertexMembership& side = mesh.memberships[n];
         for (std::uint32_t s = 0; s < 2; ++s) {
             const double distance = length(mesh.points()[n] - Vec3{s == 0 ? -2.0 : 2.0, 0, 0}) - 4;
             EXPECT_EQ(table.contains(side.interior_of, s), distance < -0.02);
@@ -143,8 +143,8 @@ TEST(Cull, sides_of_a_partition_know_whose_surface_a_vertex_is_on) {
     const CulledMesh mesh = culled_mesh(field, 3, 1);
     const RegionTable& table = mesh.registry.table();
     std::size_t of_one = 0, of_several = 0;
-    for (std::size_t n = 0; n < mesh.sides.size(); ++n) {
-        const VertexMembership& side = mesh.sides[n];
+    for (std::size_t n = 0; n < mesh.memberships.size(); ++n) {
+        const VertexMembership& side = mesh.memberships[n];
         if (side.off_interfaces()) continue;
         const Vec3 p = mesh.points()[n];
         for (std::uint32_t s = 0; s < 3; ++s) {
@@ -171,8 +171,8 @@ TEST(Cull, only_the_chosen_cells_are_decided) {
         expected[c] = mesh.regions[c];
     }
     RunContext context;
-    const CullStats stats =
-        cull(mesh.points(), mesh.cells.cells, chosen, mesh.sides, field, 1, regions, mesh.registry, context);
+    const CullStats stats = cull({mesh.points(), mesh.cells.cells, chosen}, mesh.memberships, field, 1,
+                                 regions, mesh.registry, context);
     EXPECT_EQ(regions, expected);
     EXPECT_EQ(stats.decided, chosen.size());
     EXPECT_EQ(stats.culled, static_cast<std::uint64_t>(std::count(regions.begin(), regions.end(), 0)));
@@ -185,9 +185,9 @@ TEST(Cull, same_regions_for_any_number_of_threads) {
     for (const int threads : {2, 7}) {
         const CulledMesh several = culled_mesh(field, 3, 0.6, threads);
         EXPECT_EQ(several.regions, one.regions);
-        for (std::size_t v = 0; v < one.sides.size(); ++v) {
-            ASSERT_EQ(several.sides[v].interior_of, one.sides[v].interior_of);
-            ASSERT_EQ(several.sides[v].closure_of, one.sides[v].closure_of);
+        for (std::size_t v = 0; v < one.memberships.size(); ++v) {
+            ASSERT_EQ(several.memberships[v].interior_of, one.memberships[v].interior_of);
+            ASSERT_EQ(several.memberships[v].closure_of, one.memberships[v].closure_of);
         }
         EXPECT_EQ(several.registry.table().members, one.registry.table().members);
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "anatomesh/cull/cull.h"
+#include "anatomesh/cull/labelled_mesh_view.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
@@ -18,7 +19,7 @@ namespace anatomesh::fixtures {
 struct CulledMesh {
     Tetrahedralization delaunay;
     DelaunaySnapshot cells;
-    std::vector<VertexMembership> sides;
+    std::vector<VertexMembership> memberships;
     std::vector<Region> regions;
     RegionRegistry registry;
     CullStats stats;
@@ -31,6 +32,10 @@ struct CulledMesh {
         return all;
     }
     TetMesh mesh() const { return {points(), cells.cells, regions}; }
+    LabelledMeshView view(const StructureField& field, std::uint32_t structures = 1) const {
+        return {points(),    cells.cells,      cells.neighbors, regions,
+                memberships, registry.table(), field,           structures};
+    }
 
     void update(const StructureField& field, std::uint32_t structures, SurfaceTolerance tolerance,
                 int threads = 1) {
@@ -38,10 +43,10 @@ struct CulledMesh {
         context.threads = threads;
         cells = delaunay.snapshot();
         regions.resize(cells.cells.size());
-        find_sides(points(), cells.cells, all_cells(), field, structures, tolerance, sides, registry,
-                   context);
-        stats =
-            cull(points(), cells.cells, all_cells(), sides, field, structures, regions, registry, context);
+        const std::vector<std::uint32_t> all = all_cells();
+        const ChosenCells chosen{points(), cells.cells, all};
+        find_memberships(chosen, field, structures, tolerance, memberships, registry, context);
+        stats = cull(chosen, memberships, field, structures, regions, registry, context);
         for (std::size_t n = grid.size(); n < points().size(); ++n) grid.add(points()[n]);
     }
     double volume(std::uint32_t structure) const {

@@ -90,8 +90,15 @@ void cut_and_check(Case& random, std::uint32_t structures, const ContourOwners& 
     std::vector<std::uint32_t> unsound;
     if (relabel_first) {
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
-        const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
-                                           owners, {}, {}, random.mesh.regions, random.registry, unsound);
+        const RelabelStats stats = relabel({random.mesh.points,
+                                            random.mesh.cells,
+                                            random.neighbors,
+                                            stars,
+                                            owners,
+                                            {},
+                                            random.mesh.regions,
+                                            random.registry},
+                                           {}, unsound);
         EXPECT_LT(stats.unsound_after, stats.unsound_before);
     } else {
         for (std::uint32_t v = 0; v + 8 < random.mesh.points.size(); ++v) unsound.push_back(v);
@@ -185,8 +192,15 @@ TEST(Cut, subsegments_are_brought_onto_the_surface) {
         const ContourOwners owners({}, random.mesh.points.size(), subsegments);
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
         std::vector<std::uint32_t> unsound;
-        const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
-                                           owners, {}, {}, random.mesh.regions, random.registry, unsound);
+        const RelabelStats stats = relabel({random.mesh.points,
+                                            random.mesh.cells,
+                                            random.neighbors,
+                                            stars,
+                                            owners,
+                                            {},
+                                            random.mesh.regions,
+                                            random.registry},
+                                           {}, unsound);
         before += stats.lost_subsegments_before;
         after += stats.lost_subsegments_after;
         // Counted anew from the regions.
@@ -229,8 +243,9 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_subsegments) {
         }
         std::vector<std::uint32_t> unsound;
         const VertexStars stars(mesh.cells, mesh.points.size());
-        relabel(mesh.points, mesh.cells, random.neighbors, stars, {}, {}, {}, random.mesh.regions,
-                random.registry, unsound);
+        relabel(
+            {mesh.points, mesh.cells, random.neighbors, stars, {}, {}, random.mesh.regions, random.registry},
+            {}, unsound);
         std::vector<std::array<std::uint32_t, 3>> subsegments;
         for (const Triangle& t : structure_surface(mesh, random.registry.table(), 0)) {
             for (std::size_t k = 0; k < 3; ++k) {
@@ -268,9 +283,15 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_subsegments) {
         const std::vector<Region> noisy = mesh.regions;
         const auto lost_by = [&](const std::vector<VertexMembership>& known, const RelabelOptions& options) {
             random.mesh.regions = noisy;
-            return relabel(mesh.points, mesh.cells, random.neighbors, stars,
-                           {{}, mesh.points.size(), subsegments}, known, options, random.mesh.regions,
-                           random.registry, unsound)
+            return relabel({mesh.points,
+                            mesh.cells,
+                            random.neighbors,
+                            stars,
+                            {{}, mesh.points.size(), subsegments},
+                            known,
+                            random.mesh.regions,
+                            random.registry},
+                           options, unsound)
                 .lost_subsegments_after;
         };
         all_subsegments += subsegments.size();

@@ -238,9 +238,15 @@ TEST(DrawnCuts, relabelling_keeps_the_cuts) {
             Case random(seed, seed % 2 == 0, 12);
             const VertexStars stars(random.mesh.cells, random.mesh.points.size());
             std::vector<std::uint32_t> unsound;
-            const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
-                                               {}, {}, {}, random.mesh.regions, random.registry, unsound, {},
-                                               1, look ? random.slices() : SlicePlanes{});
+            const RelabelStats stats = relabel({random.mesh.points,
+                                                random.mesh.cells,
+                                                random.neighbors,
+                                                stars,
+                                                {},
+                                                {},
+                                                random.mesh.regions,
+                                                random.registry},
+                                               {}, unsound, {}, 1, look ? random.slices() : SlicePlanes{});
             EXPECT_LT(stats.unsound_after, stats.unsound_before);
             (look ? with : without) += random.wrong_area();
             RunContext context;

@@ -45,25 +45,23 @@ bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
 
 class Relabeler {
   public:
-    Relabeler(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
-              const VertexStars& stars, const ContourOwners& owners,
-              const std::vector<VertexMembership>& sides, const RelabelOptions& options,
-              std::vector<Region>& regions, RegionRegistry& registry, const std::vector<Vec3>& points,
-              const SlicePlanes& slices)
-        : cells_(cells),
-          neighbors_(neighbors),
-          stars_(stars),
-          sides_(sides),
+    Relabeler(const RelabelledMesh& mesh, const RelabelOptions& options, const SlicePlanes& slices)
+        : cells_(mesh.cells),
+          neighbors_(mesh.neighbors),
+          stars_(mesh.stars),
+          sides_(mesh.memberships),
           deep_mm_(options.deep_mm),
           near_mm_(options.near_mm),
           is_stack_(slices.is_stack()),
           least_spoiled_(slices.cross() ? least_spoiled_share : 0),
-          regions_(regions),
-          registry_(registry),
-          owners_(owners),
-          analyzer_(cells, neighbors, stars, regions, registry.table(), owners),
-          known_(points.size()) {
-        if (slices.any()) cuts_.emplace(points, cells, neighbors, regions, registry.table(), slices);
+          regions_(mesh.regions),
+          registry_(mesh.registry),
+          owners_(mesh.owners),
+          analyzer_(mesh.cells, mesh.neighbors, mesh.stars, mesh.regions, mesh.registry.table(), mesh.owners),
+          known_(mesh.points.size()) {
+        if (slices.any())
+            cuts_.emplace(mesh.points, mesh.cells, mesh.neighbors, mesh.regions, mesh.registry.table(),
+                          slices);
     }
 
     // Whether moves that bring a deep vertex onto a surface are made.
@@ -504,24 +502,23 @@ struct Suspect {
 };
 
 // Those of `look`, or of all vertices where it is empty; in their order.
-std::vector<Suspect> find_suspects(const std::vector<Cell>& cells,
-                                   const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                                   const ContourOwners& owners, const std::vector<Region>& regions,
-                                   const RegionTable& table, std::size_t point_count,
-                                   const std::vector<std::uint32_t>& look, int threads) {
-    const std::size_t count = look.empty() ? point_count : look.size();
+std::vector<Suspect> find_suspects(const RelabelledMesh& mesh, const std::vector<std::uint32_t>& look,
+                                   int threads) {
+    const VertexStars& stars = mesh.stars;
+    const std::size_t count = look.empty() ? mesh.points.size() : look.size();
     // Only vertices of an interface, or of a contour, can have one.
     const auto can_be = [&](std::uint32_t v) {
         const auto star = stars.at(v);
         return std::any_of(star.begin(), star.end(),
-                           [&](std::uint32_t c) { return regions[c] != regions[star[0]]; }) ||
-               !owners.at(v).empty() || !owners.subsegments_at(v).empty();
+                           [&](std::uint32_t c) { return mesh.regions[c] != mesh.regions[star[0]]; }) ||
+               !mesh.owners.at(v).empty() || !mesh.owners.subsegments_at(v).empty();
     };
     // Few pieces: an analyzer has scratch space for all cells.
     const std::size_t grain = std::max<std::size_t>(4096, count / 8 + 1);
     return parallel_collect<Suspect>(
         count, grain, threads, [&](std::size_t first, std::size_t last, std::vector<Suspect>& found) {
-            StarAnalyzer analyzer(cells, neighbors, stars, regions, table, owners);
+            StarAnalyzer analyzer(mesh.cells, mesh.neighbors, stars, mesh.regions, mesh.registry.table(),
+                                  mesh.owners);
             std::vector<std::uint32_t> lost, vertices;
             for (std::size_t n = first; n < last; ++n) {
                 const std::uint32_t v = look.empty() ? static_cast<std::uint32_t>(n) : look[n];
@@ -531,8 +528,8 @@ std::vector<Suspect> find_suspects(const std::vector<Cell>& cells,
                 const std::uint32_t v = vertices[n];
                 if (n + stars_ahead < vertices.size()) {
                     for (const std::uint32_t c : stars.at(vertices[n + stars_ahead])) {
-                        __builtin_prefetch(&cells[c]);
-                        __builtin_prefetch(&neighbors[c]);
+                        __builtin_prefetch(&mesh.cells[c]);
+                        __builtin_prefetch(&mesh.neighbors[c]);
                     }
                 }
                 Suspect suspect{v, analyzer.lost_subsegment_count(v), analyzer.defect(v) > 0, false};
@@ -566,23 +563,23 @@ std::vector<std::uint32_t> with_defects(Relabeler& relabeler, std::vector<std::u
 
 // Those at the vertices of `look`, or of all where it is empty, that are other than what is drawn where a
 // plane cuts them; rising.
-std::vector<std::uint32_t> wrong_cells(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-                                       const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                                       const std::vector<Region>& regions, const RegionTable& table,
-                                       const SlicePlanes& slices, const std::vector<std::uint32_t>& look,
-                                       int threads) {
+std::vector<std::uint32_t> wrong_cells(const RelabelledMesh& mesh, const SlicePlanes& slices,
+                                       const std::vector<std::uint32_t>& look, int threads) {
     std::vector<std::uint32_t> among;
-    for (const std::uint32_t v : look) among.insert(among.end(), stars.at(v).begin(), stars.at(v).end());
+    for (const std::uint32_t v : look)
+        among.insert(among.end(), mesh.stars.at(v).begin(), mesh.stars.at(v).end());
     std::sort(among.begin(), among.end());
     among.erase(std::unique(among.begin(), among.end()), among.end());
     const auto on_interface = [&](std::uint32_t c) {
-        return std::any_of(neighbors[c].begin(), neighbors[c].end(),
-                           [&](std::uint32_t n) { return n != no_cell && regions[n] != regions[c]; });
+        return std::any_of(mesh.neighbors[c].begin(), mesh.neighbors[c].end(), [&](std::uint32_t n) {
+            return n != no_cell && mesh.regions[n] != mesh.regions[c];
+        });
     };
     return parallel_collect<std::uint32_t>(
-        look.empty() ? cells.size() : among.size(), 16384, threads,
+        look.empty() ? mesh.cells.size() : among.size(), 16384, threads,
         [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
-            DrawnCuts cuts(points, cells, neighbors, regions, table, slices);
+            DrawnCuts cuts(mesh.points, mesh.cells, mesh.neighbors, mesh.regions, mesh.registry.table(),
+                           slices);
             for (std::size_t n = first; n < last; ++n) {
                 const std::uint32_t c = look.empty() ? static_cast<std::uint32_t>(n) : among[n];
                 if (on_interface(c) && cuts.wanted(c)) found.push_back(c);
@@ -592,16 +589,12 @@ std::vector<std::uint32_t> wrong_cells(const std::vector<Vec3>& points, const st
 
 }  // namespace
 
-RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-                     const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                     const ContourOwners& owners, const std::vector<VertexMembership>& sides,
-                     const RelabelOptions& options, std::vector<Region>& regions, RegionRegistry& registry,
+RelabelStats relabel(const RelabelledMesh& mesh, const RelabelOptions& options,
                      std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look, int threads,
                      const SlicePlanes& slices) {
     RelabelStats stats;
     std::vector<std::uint32_t> queue;
-    for (const Suspect& suspect : find_suspects(cells, neighbors, stars, owners, regions, registry.table(),
-                                                points.size(), look, threads)) {
+    for (const Suspect& suspect : find_suspects(mesh, look, threads)) {
         queue.push_back(suspect.vertex);
         stats.unsound_before += suspect.unsound;
         stats.lost_before += suspect.lost;
@@ -609,10 +602,10 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     }
     stats.lost_subsegments_before /= 2;
 
-    Relabeler relabeler(cells, neighbors, stars, owners, sides, options, regions, registry, points, slices);
+    Relabeler relabeler(mesh, options, slices);
     // Of one structure the subsegments that waiting would cost are worth more than a spike;
     // but a spike is no way round a cut that is spoiled.
-    const bool one_structure = registry.table().members.size() <= 2;
+    const bool one_structure = mesh.registry.table().members.size() <= 2;
     bool spoiling = !slices.any(), spikes = one_structure && !slices.is_stack(),
          losses = !options.losses_wait;
     relabeler.allow_spikes(spikes);
@@ -660,11 +653,10 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
         if (!slices.is_stack()) work_in_depth();
     };
     std::vector<std::uint32_t> flat;
-    parallel_tasks(threads, {work, [&] { flat = nearly_flat_cells(points, cells, threads); }});
+    parallel_tasks(threads, {work, [&] { flat = nearly_flat_cells(mesh.points, mesh.cells, threads); }});
     for (const std::uint32_t c : flat) stats.flat_cells_peeled += relabeler.peel(c);
     if (slices.any()) {
-        const std::vector<std::uint32_t> wrong =
-            wrong_cells(points, cells, neighbors, stars, regions, registry.table(), slices, look, threads);
+        const std::vector<std::uint32_t> wrong = wrong_cells(mesh, slices, look, threads);
         std::vector<std::uint32_t> touched = std::move(queue);
         for (int pass = 0; pass < most_mends; ++pass) {
             const std::uint64_t before = stats.cells_mended;

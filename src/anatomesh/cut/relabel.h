@@ -46,6 +46,19 @@ struct RelabelOptions {
     bool losses_wait = true;
 };
 
+// The mesh that is relabelled: its cells stay, their regions change.
+struct RelabelledMesh {
+    const std::vector<Vec3>& points;
+    const std::vector<Cell>& cells;
+    const std::vector<CellNeighbors>& neighbors;
+    const VertexStars& stars;
+    const ContourOwners& owners;
+    // By point, as find_memberships() (cull/cull.h) gives them; empty: not looked at.
+    const std::vector<VertexMembership>& memberships;
+    std::vector<Region>& regions;
+    RegionRegistry& registry;
+};
+
 // Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the subsegments of
 // contour segments off their surface): at an unsound vertex a component too many is relabelled to the region
 // beside it, or, where a contour vertex is off its surface, one or two cells at it change sides, or, where a
@@ -53,7 +66,7 @@ struct RelabelOptions {
 // one that loses the fewest subsegments is made, then one by which the sum falls most: what else is amiss
 // beside it is mended by moves of its own. Vertices are taken in rising order, round by round, until nothing
 // falls. Among moves of one effect that with the fewest vertices left on a side where the field does not have
-// them (`sides`, by find_sides() of cull/cull.h; empty: not looked at). A subsegment is not brought back at
+// them (`memberships`). A subsegment is not brought back at
 // the price of such a vertex, but for one less deep than near_mm: that would be a spike. With several
 // structures, moves that bring a deep vertex onto a surface are made only when no others are left. Where
 // `slices` are no stack, then, four times, a subsegment is brought back also by one of up to twelve moves
@@ -72,10 +85,7 @@ struct RelabelOptions {
 // below it: where what is drawn touches itself in a point of the slice, that is the only way to a manifold
 // with the drawn cut, and is gone, through deep vertices too, before a cut is spoiled. At the end cells that
 // are wrong where a plane cuts them are relabelled to what is drawn there if no defect rises.
-RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-                     const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                     const ContourOwners& owners, const std::vector<VertexMembership>& sides,
-                     const RelabelOptions& options, std::vector<Region>& regions, RegionRegistry& registry,
+RelabelStats relabel(const RelabelledMesh& mesh, const RelabelOptions& options,
                      std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look = {},
                      int threads = 1, const SlicePlanes& slices = {});
 

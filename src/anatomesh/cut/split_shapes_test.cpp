@@ -265,8 +265,15 @@ TEST(SplitShapes, relabelling_lessens_the_unsound_vertices_and_is_deterministic)
         for (Cubes* cubes : {&one, &two}) {
             const VertexStars stars(cubes->mesh.cells, cubes->mesh.points.size());
             std::vector<std::uint32_t> unsound;
-            const RelabelStats stats = relabel(cubes->mesh.points, cubes->mesh.cells, cubes->neighbors, stars,
-                                               {}, {}, {}, cubes->mesh.regions, cubes->registry, unsound);
+            const RelabelStats stats = relabel({cubes->mesh.points,
+                                                cubes->mesh.cells,
+                                                cubes->neighbors,
+                                                stars,
+                                                {},
+                                                {},
+                                                cubes->mesh.regions,
+                                                cubes->registry},
+                                               {}, unsound);
             EXPECT_LT(stats.unsound_after, stats.unsound_before);
             EXPECT_EQ(unsound.size(), stats.unsound_after);
             EXPECT_TRUE(std::is_sorted(unsound.begin(), unsound.end()));

@@ -36,7 +36,7 @@ inline void make_sound(TetMesh& mesh, RegionRegistry& registry) {
     std::vector<std::uint32_t> unsound;
     {
         const VertexStars stars(mesh.cells, mesh.points.size());
-        relabel(mesh.points, mesh.cells, neighbors, stars, {}, {}, {}, mesh.regions, registry, unsound);
+        relabel({mesh.points, mesh.cells, neighbors, stars, {}, {}, mesh.regions, registry}, {}, unsound);
     }
     RunContext context;
     ASSERT_TRUE(split_unsound(mesh, unsound, {}, registry, {}, context).ok());

@@ -275,8 +275,7 @@ class Builder {
             const double share = crowded_share * planes_.density;
             options.crowded_mm = std::min(share, most_crowded_share) * size_mm;
         }
-        refinement_.emplace(*mesh_, *subsegments_, sample_->protected_segments, *field_, structures_, given_,
-                            options);
+        refinement_.emplace(*mesh_, *subsegments_, sample_->protected_segments, given_, options);
         ANATOMESH_CHECK_STATUS(refinement_->run(context_));
         const RefinementStats& stats = refinement_->stats();
         report().radius_edge_mean_before_refinement = stats.radius_edge_mean_before;
@@ -324,9 +323,10 @@ class Builder {
                         }});
         slices.slice_of = planes.slice_of;
         slices.planes = planes.planes;
-        return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, *stars, owners,
-                       mesh_->sides(), {spike_share * sample_->stats.size_mm, near_mm(), !sample_->has_pole},
-                       mesh_->regions(), mesh_->registry(), unsound, look, context_.threads, slices);
+        return relabel({mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, *stars, owners,
+                        mesh_->memberships(), mesh_->regions(), mesh_->registry()},
+                       {spike_share * sample_->stats.size_mm, near_mm(), !sample_->has_pole}, unsound, look,
+                       context_.threads, slices);
     }
 
     Status cut_cells() {
@@ -479,13 +479,14 @@ class Builder {
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
         BalanceOptions balance;
+        balance.max_radius_edge = options_.max_radius_edge;
         balance.ends = field_->flat_ends();
         balance.slices = slices.sides;
         balance.end_tolerance_mm = interface_tolerance * stats.size_mm;
         const auto balanced_within = [&](double reach) {
             balance.max_offset_mm = reach * stats.size_mm;
-            return balance_volumes(model_.mesh, neighbors_, *stars, model_.regions, fixed, volumes_mm3_,
-                                   options_.max_radius_edge, balance, context_.threads);
+            return balance_volumes({model_.mesh, neighbors_, *stars, fixed, model_.regions}, volumes_mm3_,
+                                   balance, context_.threads);
         };
         BalanceStats balanced = balanced_within(balance_reach);
         if (balanced.worst_after > most_amiss) {
@@ -551,7 +552,7 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        return smooth_vertices(model_.mesh, neighbors_, stars, fixed, *field_, structures_, model_.regions,
+        return smooth_vertices({model_.mesh, neighbors_, stars, fixed, model_.regions}, *field_, structures_,
                                options, context_);
     }
 

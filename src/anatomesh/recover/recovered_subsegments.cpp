@@ -47,7 +47,7 @@ RecoveredSubsegments::RecoveredSubsegments(TetMesh& mesh, std::vector<std::uint3
       drawn_(std::move(drawn)),
       options_(options),
       structures_(static_cast<std::uint32_t>(drawn_.contours.structures.size())),
-      sides_(delaunay.sides()) {}
+      memberships_(delaunay.memberships()) {}
 
 void RecoveredSubsegments::run(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled,
                                RunContext& context) {
@@ -76,7 +76,7 @@ void RecoveredSubsegments::recover(std::vector<std::uint32_t>& look, RunContext&
         if (least_shapes[n] < options_.least_shape || (n >= for_few && !few)) return;
         options.least_shape = least_shapes[n];
         options.most_splits = least_shapes[n] <= worth_splits ? most_splits : 0;
-        const auto before = std::make_tuple(mesh_, neighbors_, drawn_.subsegments, sides_);
+        const auto before = std::make_tuple(mesh_, neighbors_, drawn_.subsegments, memberships_);
         for (int attempt = 0;; ++attempt) {
             const RecoverResult recovered =
                 recover_segments(mesh_, neighbors_, drawn_.subsegments, drawn_.held, options);
@@ -94,7 +94,7 @@ void RecoveredSubsegments::recover(std::vector<std::uint32_t>& look, RunContext&
                 break;
             }
             const std::vector<MeshEdge> dear = too_dear(bad, bad_before, recovered);
-            std::tie(mesh_, neighbors_, drawn_.subsegments, sides_) = before;
+            std::tie(mesh_, neighbors_, drawn_.subsegments, memberships_) = before;
             if (!gains && dear.empty()) break;
             if (attempt == most_attempts || dear.empty()) return;
             options.left.insert(options.left.end(), dear.begin(), dear.end());
@@ -216,10 +216,9 @@ bool RecoveredSubsegments::open_sides(std::vector<std::uint32_t>& look, RunConte
 // Gives new cells their regions; their vertices are appended to `look`.
 void RecoveredSubsegments::decide(const std::vector<std::uint32_t>& undecided,
                                   std::vector<std::uint32_t>& look, RunContext& context) {
-    find_sides(mesh_.points, mesh_.cells, undecided, field_, structures_, options_.tolerance, sides_,
-               registry_, context);
-    cull(mesh_.points, mesh_.cells, undecided, sides_, field_, structures_, mesh_.regions, registry_,
-         context);
+    const ChosenCells chosen{mesh_.points, mesh_.cells, undecided};
+    find_memberships(chosen, field_, structures_, options_.tolerance, memberships_, registry_, context);
+    cull(chosen, memberships_, field_, structures_, mesh_.regions, registry_, context);
     for (const std::uint32_t c : undecided)
         look.insert(look.end(), mesh_.cells[c].begin(), mesh_.cells[c].end());
 }
@@ -237,10 +236,11 @@ void RecoveredSubsegments::relabel_at(std::vector<std::uint32_t>& look, std::vec
     const VertexStars stars(mesh_.cells, mesh_.points.size(), context.threads);
     const PlanesOfStack planes =
         planes_of_stack(drawn_.contours, drawn_.vertex_of, drawn_.subsegments, mesh_.points.size());
-    relabelled.add(relabel(
-        mesh_.points, mesh_.cells, neighbors, stars, {drawn_.owners, mesh_.points.size(), subsegments},
-        sides_, {spike_share * options_.size_mm, options_.near_mm, options_.losses_wait}, mesh_.regions,
-        registry_, unsound, look, context.threads, {planes.slice_of, planes.planes, &field_, structures_}));
+    const ContourOwners owners(drawn_.owners, mesh_.points.size(), subsegments);
+    relabelled.add(
+        relabel({mesh_.points, mesh_.cells, neighbors, stars, owners, memberships_, mesh_.regions, registry_},
+                {spike_share * options_.size_mm, options_.near_mm, options_.losses_wait}, unsound, look,
+                context.threads, {planes.slice_of, planes.planes, &field_, structures_}));
 }
 
 }  // namespace anatomesh

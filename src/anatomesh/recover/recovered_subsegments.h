@@ -91,7 +91,7 @@ class RecoveredSubsegments {
     DrawnInMesh drawn_;
     RecoveryOptions options_;
     std::uint32_t structures_;
-    std::vector<VertexMembership> sides_;  // by vertex, as find_sides() has them
+    std::vector<VertexMembership> memberships_;  // by vertex
     std::vector<std::uint32_t> vertices_;
     RecoverStats stats_;
 };

@@ -45,25 +45,24 @@ bool is_contradicted(const CutSlices& slices, std::uint32_t structure, Vec3 p, d
 }
 
 // In the order of `look`, and of planes and structures.
-std::vector<WrongSection> wrong_sections(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                         const std::vector<Region>& regions, const RegionTable& table,
-                                         const CutSlices& slices, const StructureField& field,
-                                         std::uint32_t structures, const CutPointOptions& options,
+std::vector<WrongSection> wrong_sections(const LabelledMeshView& mesh, const CutSlices& slices,
+                                         const CutPointOptions& options,
                                          const std::vector<std::uint32_t>& look, int threads) {
+    const std::vector<Vec3>& points = mesh.points;
     constexpr std::size_t grain = 4096;
     return parallel_collect<WrongSection>(
         look.size(), grain, threads,
         [&](std::size_t first, std::size_t last, std::vector<WrongSection>& found) {
-            InterfaceProbe probe(field, structures);
+            InterfaceProbe probe(mesh.field, mesh.structures);
             const auto add_wrong = [&](std::uint32_t c, std::uint32_t k, const PlaneSection& section) {
                 const std::vector<std::uint32_t>* drawn = nullptr;
-                for (std::uint32_t s = 0; s < structures; ++s) {
+                for (std::uint32_t s = 0; s < mesh.structures; ++s) {
                     const std::size_t cut = s * slices.planes.planes.size() + k;
                     const double share = section.area * slices.weights[cut];
                     if (!(share > options.least_of_section)) continue;
                     if (!drawn) drawn = &probe.members(section.middle);
                     if (std::binary_search(drawn->begin(), drawn->end(), s) !=
-                            table.contains(regions[c], s) &&
+                            mesh.table.contains(mesh.regions[c], s) &&
                         !is_contradicted(slices, s, section.middle, options.clearance_mm))
                         found.push_back(
                             {c, cut, share, section.area,
@@ -90,15 +89,12 @@ void drop_small_cuts(std::vector<WrongSection>& sections, std::size_t cuts, doub
 
 }  // namespace
 
-CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                              const std::vector<Region>& regions, const RegionTable& table,
-                              const CutSlices& slices, const StructureField& field, std::uint32_t structures,
-                              const PointGrid& all_points, const ProtectedSegments& protected_segments,
-                              const CutPointOptions& options, std::vector<std::uint32_t>& look,
-                              std::vector<Vec3>& found, RunContext& context) {
-    assert(slices.weights.size() == structures * slices.planes.planes.size());
-    std::vector<WrongSection> sections = wrong_sections(points, mesh, regions, table, slices, field,
-                                                        structures, options, look, context.threads);
+CutPointStats find_cut_points(const LabelledMeshView& mesh, const CutSlices& slices,
+                              const OccupiedSpace& occupied, const CutPointOptions& options,
+                              std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
+                              RunContext& context) {
+    assert(slices.weights.size() == mesh.structures * slices.planes.planes.size());
+    std::vector<WrongSection> sections = wrong_sections(mesh, slices, options, look, context.threads);
     drop_small_cuts(sections, slices.weights.size(), options.least_of_cut);
     CutPointStats stats;
     stats.wrong = sections.size();
@@ -113,8 +109,8 @@ CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySna
     PointGrid chosen(sections.empty() ? 1.0 : total / static_cast<double>(sections.size()), sections.size());
     for (const WrongSection& section : sections) {
         const double spacing = options.min_spacing * std::sqrt(section.area);
-        if (all_points.any_within(section.place, spacing) ||
-            !protected_segments.outside_balls(section.place)) {
+        if (occupied.vertices.any_within(section.place, spacing) ||
+            !occupied.protected_segments.outside_balls(section.place)) {
             ++stats.refused;
             continue;
         }

@@ -6,12 +6,9 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/delaunay/tetrahedralize.h"
-#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/cull/labelled_mesh_view.h"
 #include "anatomesh/geom/plane_sections.h"
-#include "anatomesh/geom/point_grid.h"
-#include "anatomesh/mesh/model/tet_mesh.h"
-#include "anatomesh/sample/protected_segments.h"
+#include "anatomesh/refine/refine.h"
 
 namespace anatomesh {
 
@@ -51,11 +48,9 @@ struct CutPointStats {
 // contour segments. `look`: as in refine.h. Complexity: O(look x planes). Same result at any thread count.
 // Follows: the criterion of the cut (docs/stages/11-certificate.md, clause 2), met as Boissonnat and Oudot,
 // Graph. Models 67, 2005, meet theirs.
-CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                              const std::vector<Region>& regions, const RegionTable& table,
-                              const CutSlices& slices, const StructureField& field, std::uint32_t structures,
-                              const PointGrid& all_points, const ProtectedSegments& protected_segments,
-                              const CutPointOptions& options, std::vector<std::uint32_t>& look,
-                              std::vector<Vec3>& found, RunContext& context);
+CutPointStats find_cut_points(const LabelledMeshView& mesh, const CutSlices& slices,
+                              const OccupiedSpace& occupied, const CutPointOptions& options,
+                              std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
+                              RunContext& context);
 
 }  // namespace anatomesh

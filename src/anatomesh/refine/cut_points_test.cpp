@@ -74,8 +74,8 @@ std::vector<Vec3> cut_points(const CulledMesh& mesh, const Slots& slots, const C
     std::vector<Vec3> found;
     std::vector<std::uint32_t> look = mesh.all_cells();
     const CutPointStats seen =
-        find_cut_points(mesh.points(), mesh.cells, mesh.regions, mesh.registry.table(), slots.slices(),
-                        slots.field, 1, mesh.grid, protected_segments, options, look, found, context);
+        find_cut_points(mesh.view(slots.field), slots.slices(), {mesh.grid, protected_segments}, options,
+                        look, found, context);
     EXPECT_LE(look.size(), seen.wrong);
     EXPECT_TRUE(std::is_sorted(look.begin(), look.end()));
     if (stats) *stats = seen;

@@ -22,8 +22,14 @@ CullStats LabelledMesh::update(RunContext& context) {
     ++updates_;
     regions_.resize(now.cells.size());
     changes_.push_back(now.changed);
-    find_sides(points(), now.cells, now.changed, field_, structures_, tolerance_, sides_, registry_, context);
-    return cull(points(), now.cells, now.changed, sides_, field_, structures_, regions_, registry_, context);
+    const ChosenCells changed{points(), now.cells, now.changed};
+    find_memberships(changed, field_, structures_, tolerance_, memberships_, registry_, context);
+    return cull(changed, memberships_, field_, structures_, regions_, registry_, context);
+}
+
+LabelledMeshView LabelledMesh::view() const {
+    return {points(),          cells().cells, cells().neighbors, regions_, memberships_,
+            registry_.table(), field_,        structures_};
 }
 
 void LabelledMesh::look_again(CellSearch& search) const {

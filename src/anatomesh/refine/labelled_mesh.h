@@ -7,6 +7,7 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/cull/cull.h"
+#include "anatomesh/cull/labelled_mesh_view.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/geom/point_grid.h"
@@ -41,11 +42,13 @@ class LabelledMesh {
 
     const std::vector<Vec3>& points() const { return delaunay_.points(); }
     const DelaunaySnapshot& cells() const { return delaunay_.last_snapshot(); }
-    const std::vector<VertexMembership>& sides() const { return sides_; }
+    const std::vector<VertexMembership>& memberships() const { return memberships_; }
     std::vector<Region>& regions() { return regions_; }
     const std::vector<Region>& regions() const { return regions_; }
     RegionRegistry& registry() { return registry_; }
     const PointGrid& grid() const { return grid_; }
+    // Valid until the next insertion or update.
+    LabelledMeshView view() const;
     std::span<const std::uint32_t> first_vertices() const { return delaunay_.first_vertices(); }
     std::uint64_t cells_made() const { return delaunay_.cells_made(); }
 
@@ -56,7 +59,7 @@ class LabelledMesh {
     SurfaceTolerance tolerance_;
     std::vector<std::vector<std::uint32_t>> changes_;  // the cells that each update brought
     std::uint32_t updates_ = 0;
-    std::vector<VertexMembership> sides_;
+    std::vector<VertexMembership> memberships_;
     std::vector<Region> regions_;
     RegionRegistry registry_;
     PointGrid grid_;

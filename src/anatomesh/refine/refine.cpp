@@ -7,6 +7,7 @@
 #include <span>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/cull/cull.h"
 #include "anatomesh/mesh/model/prefetch.h"
 #include "anatomesh/mesh/shape/quality.h"
@@ -91,8 +92,7 @@ void aim(const std::vector<Vec3>& points, const Cell& cell, const RefineOptions&
 
 // The point to insert: where the cell aims, or on an interface before or near that.
 void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfaceProbe& probe,
-                  const PointGrid& all_points, const ProtectedSegments& protected_segments,
-                  const RefineOptions& options, BadCell& bad) {
+                  const OccupiedSpace& occupied, const RefineOptions& options, BadCell& bad) {
     const Vec3 centroid = 0.25 * (points[cell[0]] + points[cell[1]] + points[cell[2]] + points[cell[3]]);
     const double tolerance = 1e-3 * bad.shortest;
     std::optional<Vec3> on_surface =
@@ -103,11 +103,11 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
     bad.on_surface = on_surface.has_value();
     if (!on_surface) on_surface = bad.center;
     // Rounding and the points of earlier rounds can bring even a circumcentre close to a vertex.
-    if (all_points.any_within(*on_surface, options.min_spacing * bad.shortest)) return;
-    const std::uint32_t ball = protected_segments.ball_at(*on_surface, options.protected_share);
+    if (occupied.vertices.any_within(*on_surface, options.min_spacing * bad.shortest)) return;
+    const std::uint32_t ball = occupied.protected_segments.ball_at(*on_surface, options.protected_share);
     if (ball == ProtectedSegments::no_ball) {
         bad.point = on_surface;
-    } else if (protected_segments.ball_radius(ball) > 0.5 * bad.shortest) {
+    } else if (occupied.protected_segments.ball_radius(ball) > 0.5 * bad.shortest) {
         bad.ball = ball;
     }
 }
@@ -120,8 +120,9 @@ struct InterfaceFacet {
 };
 
 // Those of the cells looked at (rising), from either side; rising.
-std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
+std::vector<InterfaceFacet> interface_facets(const LabelledMeshView& mesh,
                                              const std::vector<std::uint32_t>& look, int threads) {
+    const std::vector<Region>& regions = mesh.regions;
     struct Found {
         InterfaceFacet facet;
         bool from_beyond;  // from its other cell, where its own is not looked at
@@ -156,7 +157,7 @@ using Edge = std::array<std::uint32_t, 2>;
 
 // The edges of the cells looked at that cross something, rising; `look` is left with their cells.
 template <class Crosses>
-std::vector<Edge> crossing_edges(const DelaunaySnapshot& mesh, std::vector<std::uint32_t>& look,
+std::vector<Edge> crossing_edges(const LabelledMeshView& mesh, std::vector<std::uint32_t>& look,
                                  const Crosses& crosses, int threads) {
     look = parallel_collect<std::uint32_t>(
         look.size(), 16384, threads,
@@ -182,9 +183,11 @@ std::vector<Edge> crossing_edges(const DelaunaySnapshot& mesh, std::vector<std::
     return edges;
 }
 
-// Where an edge from p to q, with ends of these sides, crosses what parts them.
-std::optional<Vec3> crossing_of(InterfaceProbe& probe, const RegionTable& table, bool exclusive, Vec3 p,
-                                Vec3 q, const VertexMembership& from, const VertexMembership& to) {
+// Where an edge crosses the surface that parts its ends.
+std::optional<Vec3> crossing_of(InterfaceProbe& probe, const LabelledMeshView& mesh, std::uint32_t a,
+                                std::uint32_t b) {
+    const Vec3 p = mesh.points[a], q = mesh.points[b];
+    const VertexMembership &from = mesh.memberships[a], &to = mesh.memberships[b];
     const double span = length(q - p);
     const auto crossing_from = [&](Vec3 start, Vec3 end) {
         return probe.first_crossing(start, end, 0.25 * span, 1e-3 * span);
@@ -193,27 +196,23 @@ std::optional<Vec3> crossing_of(InterfaceProbe& probe, const RegionTable& table,
         probe.focus({});
         return crossing_from(p, q);
     }
-    if (!exclusive) {
-        probe.focus(std::array{*parted_by(table, from, to)});
+    if (!mesh.field.exclusive()) {
+        probe.focus(std::array{*parted_by(mesh.table, from, to)});
         return crossing_from(p, q);
     }
-    // Between the middle and the end that cells of its region may not have.
+    // The crossing lies between the middle and the end whose membership does not allow the middle's region.
     probe.focus({});
     const Vec3 middle = 0.5 * (p + q);
-    return crossing_from(middle, allows(table, from, probe.members(middle)) ? q : p);
+    return crossing_from(middle, allows(mesh.table, from, probe.members(middle)) ? q : p);
 }
 
-}  // namespace
-
-RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<Region>& regions,
-                                   const std::vector<VertexMembership>& sides, const StructureField& field,
-                                   std::uint32_t structures, const PointGrid& all_points,
-                                   const ProtectedSegments& protected_segments, const RefineOptions& options,
-                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
-                                   RunContext& context) {
-    RefineStats stats;
-    // Pieces of a fixed size keep the mean the same at any thread count.
+// The cells of `look` with a ratio above the bound, and those that are nearly flat; in the order of `look`.
+// `radius_edge_mean` receives the mean of the cells inside.
+std::vector<BadCell> bad_cells(const LabelledMeshView& mesh, const RefineOptions& options,
+                               const std::vector<std::uint32_t>& look, double& radius_edge_mean,
+                               int threads) {
+    const std::vector<Vec3>& points = mesh.points;
+    // Blocks of a fixed size keep the mean the same at any thread count.
     struct Inside {
         std::uint64_t cells = 0;
         double ratios = 0;
@@ -221,16 +220,16 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
     constexpr std::size_t grain = 8192;
     std::vector<Inside> inside(look.size() / grain + 1);
     std::vector<BadCell> bad = parallel_collect<BadCell>(
-        look.size(), grain, context.threads,
-        [&](std::size_t first, std::size_t last, std::vector<BadCell>& out) {
+        look.size(), grain, threads, [&](std::size_t first, std::size_t last, std::vector<BadCell>& out) {
             Inside& here = inside[first / grain];
             for (std::size_t n = first; n < last; ++n) {
                 if (n + cells_ahead < last) prefetch_points(points, mesh.cells[look[n + cells_ahead]]);
                 const std::uint32_t c = look[n];
                 const Cell& cell = mesh.cells[c];
-                const bool is_inside = regions[c] != 0;
-                if (!is_inside && std::none_of(cell.begin(), cell.end(),
-                                               [&](std::uint32_t v) { return !sides[v].off_interfaces(); })) {
+                const bool is_inside = mesh.regions[c] != 0;
+                if (!is_inside && std::none_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
+                        return !mesh.memberships[v].off_interfaces();
+                    })) {
                     continue;
                 }
                 const Vec3 p = points[cell[0]], q = points[cell[1]], r = points[cell[2]], s = points[cell[3]];
@@ -249,21 +248,31 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
                 }
             }
         });
-    std::uint64_t cells_inside = 0;
-    for (const Inside& subsegment : inside) {
-        cells_inside += subsegment.cells;
-        stats.radius_edge_mean += subsegment.ratios;
+    Inside all;
+    for (const Inside& block : inside) {
+        all.cells += block.cells;
+        all.ratios += block.ratios;
     }
-    stats.radius_edge_mean /= static_cast<double>(std::max<std::uint64_t>(1, cells_inside));
+    radius_edge_mean = all.ratios / static_cast<double>(std::max<std::uint64_t>(1, all.cells));
+    return bad;
+}
+
+}  // namespace
+
+RefineStats find_refinement_points(const LabelledMeshView& mesh, const OccupiedSpace& occupied,
+                                   const RefineOptions& options, std::vector<std::uint32_t>& look,
+                                   std::vector<Vec3>& found, RunContext& context) {
+    RefineStats stats;
+    std::vector<BadCell> bad = bad_cells(mesh, options, look, stats.radius_edge_mean, context.threads);
     for (const BadCell& cell : bad) {
         stats.flat += cell.flat;
-        stats.above_bound += !cell.flat && regions[cell.cell] != 0;
+        stats.above_bound += !cell.flat && mesh.regions[cell.cell] != 0;
     }
     look.clear();
     for (const BadCell& cell : bad) look.push_back(cell.cell);
 
     parallel_for(bad.size(), 4096, context.threads, [&](std::size_t first, std::size_t last) {
-        for (std::size_t n = first; n < last; ++n) aim(points, mesh.cells[bad[n].cell], options, bad[n]);
+        for (std::size_t n = first; n < last; ++n) aim(mesh.points, mesh.cells[bad[n].cell], options, bad[n]);
     });
     // Worst first; one point for each neighbourhood a round.
     std::stable_sort(bad.begin(), bad.end(),
@@ -282,12 +291,11 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
     for (std::size_t begin = 0; begin < bad.size(); begin += batch) {
         const std::span<BadCell> now(bad.data() + begin, std::min(batch, bad.size() - begin));
         parallel_for(now.size(), 128, context.threads, [&](std::size_t first, std::size_t last) {
-            InterfaceProbe probe(field, structures);
+            InterfaceProbe probe(mesh.field, mesh.structures);
             for (std::size_t n = first; n < last; ++n) {
                 now[n].waits = can_wait(now[n]);
                 if (now[n].waits) continue;
-                choose_point(points, mesh.cells[now[n].cell], probe, all_points, protected_segments, options,
-                             now[n]);
+                choose_point(mesh.points, mesh.cells[now[n].cell], probe, occupied, options, now[n]);
             }
         });
         for (const BadCell& cell : now) {
@@ -299,22 +307,20 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
             ++(cell.on_surface ? stats.surface_points : stats.circumcenters);
         }
     }
-    std::sort(stats.balls.begin(), stats.balls.end());
-    stats.balls.erase(std::unique(stats.balls.begin(), stats.balls.end()), stats.balls.end());
+    sort_distinct(stats.balls);
     return stats;
 }
 
-CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<VertexMembership>& sides, const RegionTable& table,
-                                   const StructureField& field, std::uint32_t structures,
-                                   const PointGrid& all_points, const ProtectedSegments& protected_segments,
+CrossingStats find_crossing_points(const LabelledMeshView& mesh, const OccupiedSpace& occupied,
                                    const CrossingOptions& options, std::vector<std::uint32_t>& look,
                                    std::vector<Vec3>& found, RunContext& context) {
+    const std::vector<Vec3>& points = mesh.points;
+    const std::vector<VertexMembership>& memberships = mesh.memberships;
     CrossingStats stats;
     const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
-        if (sides[a].off_interfaces() && sides[b].off_interfaces())
-            return sides[a].interior_of != sides[b].interior_of;
-        return parted_by(table, sides[a], sides[b]).has_value() &&
+        if (memberships[a].off_interfaces() && memberships[b].off_interfaces())
+            return memberships[a].interior_of != memberships[b].interior_of;
+        return parted_by(mesh.table, memberships[a], memberships[b]).has_value() &&
                length(points[b] - points[a]) >= options.shortest_mm;
     };
     const std::vector<Edge> edges = crossing_edges(mesh, look, crosses, context.threads);
@@ -323,16 +329,16 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
     std::vector<std::optional<Vec3>> crossings(edges.size());
     std::vector<std::uint32_t> balls(edges.size(), ProtectedSegments::no_ball);
     parallel_for(edges.size(), 256, context.threads, [&](std::size_t first, std::size_t last) {
-        InterfaceProbe probe(field, structures);
+        InterfaceProbe probe(mesh.field, mesh.structures);
         for (std::size_t n = first; n < last; ++n) {
             const auto [a, b] = edges[n];
             const double span = length(points[b] - points[a]);
-            const std::optional<Vec3> crossing =
-                crossing_of(probe, table, field.exclusive(), points[a], points[b], sides[a], sides[b]);
-            if (!crossing || all_points.any_within(*crossing, options.min_spacing * span)) continue;
-            const std::uint32_t ball = protected_segments.ball_at(*crossing, options.protected_share);
+            const std::optional<Vec3> crossing = crossing_of(probe, mesh, a, b);
+            if (!crossing || occupied.vertices.any_within(*crossing, options.min_spacing * span)) continue;
+            const std::uint32_t ball =
+                occupied.protected_segments.ball_at(*crossing, options.protected_share);
             if (ball == ProtectedSegments::no_ball) crossings[n] = crossing;
-            if (sides[a].off_interfaces() && sides[b].off_interfaces()) balls[n] = ball;
+            if (memberships[a].off_interfaces() && memberships[b].off_interfaces()) balls[n] = ball;
         }
     });
     double total = 0;
@@ -351,19 +357,16 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
     for (const std::uint32_t ball : balls) {
         if (ball != ProtectedSegments::no_ball) stats.balls.push_back(ball);
     }
-    std::sort(stats.balls.begin(), stats.balls.end());
-    stats.balls.erase(std::unique(stats.balls.begin(), stats.balls.end()), stats.balls.end());
+    sort_distinct(stats.balls);
     return stats;
 }
 
-DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                     const std::vector<Region>& regions, const RegionTable& table,
-                                     const StructureField& field, std::uint32_t structures,
-                                     const PointGrid& all_points, const ProtectedSegments& protected_segments,
+DeviationStats find_deviation_points(const LabelledMeshView& mesh, const OccupiedSpace& occupied,
                                      const DeviationOptions& options, std::vector<std::uint32_t>& look,
                                      std::vector<Vec3>& found, RunContext& context) {
+    const std::vector<Vec3>& points = mesh.points;
     DeviationStats stats;
-    const std::vector<InterfaceFacet> facets = interface_facets(mesh, regions, look, context.threads);
+    const std::vector<InterfaceFacet> facets = interface_facets(mesh, look, context.threads);
     struct Candidate {
         std::optional<Vec3> point;
         double longest = 0;
@@ -371,7 +374,7 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
     };
     std::vector<Candidate> candidates(facets.size());
     parallel_for(facets.size(), 1024, context.threads, [&](std::size_t first, std::size_t last) {
-        InterfaceProbe probe(field, structures);
+        InterfaceProbe probe(mesh.field, mesh.structures);
         for (std::size_t n = first; n < last; ++n) {
             const auto& [owner, index] = facets[n];
             const auto& f = facet_vertices[index];
@@ -382,8 +385,9 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
             // Near another structure's surface than its own only a facet far off is worth a point.
             probe.focus({});
             if (probe.distance(middle, options.max_deviation_mm) <= options.max_deviation_mm) {
-                if (structures == 1) continue;
-                probe.focus_between(table.members[regions[owner]], table.members[regions[beyond]]);
+                if (mesh.structures == 1) continue;
+                probe.focus_between(mesh.table.members[mesh.regions[owner]],
+                                    mesh.table.members[mesh.regions[beyond]]);
                 if (probe.distance(middle) <= far_off * options.max_deviation_mm) continue;
             }
             Candidate& candidate = candidates[n];
@@ -392,8 +396,9 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
                 std::sqrt(std::max({squared_length(b - a), squared_length(c - b), squared_length(a - c)}));
             const double tolerance = 0.02 * options.max_deviation_mm;
             const auto keep_if_free = [&](const std::optional<Vec3>& p, double share) {
-                if (!p || all_points.any_within(*p, options.min_spacing * candidate.longest)) return;
-                if (protected_segments.ball_at(*p, share) == ProtectedSegments::no_ball) candidate.point = p;
+                if (!p || occupied.vertices.any_within(*p, options.min_spacing * candidate.longest)) return;
+                if (occupied.protected_segments.ball_at(*p, share) == ProtectedSegments::no_ball)
+                    candidate.point = p;
             };
             keep_if_free(probe.project(middle, candidate.longest, tolerance), 1);
             // The vertices opposite the facet in its two cells.

@@ -11,14 +11,17 @@
 
 #include "anatomesh/base/contract.h"
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/delaunay/tetrahedralize.h"
-#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/cull/labelled_mesh_view.h"
 #include "anatomesh/geom/point_grid.h"
-#include "anatomesh/mesh/model/tet_mesh.h"
-#include "anatomesh/mesh/model/vertex_membership.h"
 #include "anatomesh/sample/protected_segments.h"
 
 namespace anatomesh {
+
+// What new points keep away from.
+struct OccupiedSpace {
+    const PointGrid& vertices;                    // all points of the mesh
+    const ProtectedSegments& protected_segments;  // the diametral balls of subsegments
+};
 
 struct RefineOptions {
     double max_radius_edge = contract::max_radius_edge;  // cells above it are split. [1.2, 10]
@@ -57,13 +60,9 @@ struct RefineStats {
 // on interfaces keep min_spacing; so spacing never falls below a share of the contours' own. Complexity:
 // linear in the cells looked at. Same result at any thread count. Follows: Shewchuk, Delaunay refinement mesh
 // generation, 1997, chapter 4; Boissonnat and Oudot, Graph. Models 67, 2005.
-RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<Region>& regions,
-                                   const std::vector<VertexMembership>& sides, const StructureField& field,
-                                   std::uint32_t structures, const PointGrid& all_points,
-                                   const ProtectedSegments& protected_segments, const RefineOptions& options,
-                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
-                                   RunContext& context);
+RefineStats find_refinement_points(const LabelledMeshView& mesh, const OccupiedSpace& occupied,
+                                   const RefineOptions& options, std::vector<std::uint32_t>& look,
+                                   std::vector<Vec3>& found, RunContext& context);
 
 struct CrossingOptions {
     double min_spacing = 0.3;  // of a crossing point from others, in lengths of its edge. (0, 1]
@@ -85,13 +84,9 @@ struct CrossingStats {
 // also where one end lies on that of another structure: the contour crosses
 // a cell there, and a cell must have a vertex there before it can be split along it (the cut of the 2006
 // method). A point keeps min_spacing lengths of its edge from every other one, and out of the protected share
-// of the diametral ball of a subsegment: that subsegment is to be split. Requires: sides as
-// find_sides() (cull/cull.h) gives them. Complexity: O(n log n) in the cells looked at. Same result at any
-// thread count.
-CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<VertexMembership>& sides, const RegionTable& table,
-                                   const StructureField& field, std::uint32_t structures,
-                                   const PointGrid& all_points, const ProtectedSegments& protected_segments,
+// of the diametral ball of a subsegment: that subsegment is to be split. Complexity: O(n log n) in the cells
+// looked at. Same result at any thread count.
+CrossingStats find_crossing_points(const LabelledMeshView& mesh, const OccupiedSpace& occupied,
                                    const CrossingOptions& options, std::vector<std::uint32_t>& look,
                                    std::vector<Vec3>& found, RunContext& context);
 
@@ -115,10 +110,7 @@ struct DeviationStats {
 // in the plane of one, and its contour is nearest - the point is where the way from the middle to the farther
 // vertex of the cell on the wrong side crosses it. Complexity: linear in the cells looked at. Same result at
 // any thread count. Follows: the distance criterion of Boissonnat and Oudot, Graph. Models 67, 2005.
-DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                     const std::vector<Region>& regions, const RegionTable& table,
-                                     const StructureField& field, std::uint32_t structures,
-                                     const PointGrid& all_points, const ProtectedSegments& protected_segments,
+DeviationStats find_deviation_points(const LabelledMeshView& mesh, const OccupiedSpace& occupied,
                                      const DeviationOptions& options, std::vector<std::uint32_t>& look,
                                      std::vector<Vec3>& found, RunContext& context);
 

@@ -19,8 +19,7 @@ std::vector<Vec3> refinement(const CulledMesh& mesh, const StructureField& field
     context.threads = threads;
     std::vector<Vec3> found;
     std::vector<std::uint32_t> look = mesh.all_cells();
-    stats = find_refinement_points(mesh.points(), mesh.cells, mesh.regions, mesh.sides, field, 1, mesh.grid,
-                                   no_segments, {}, look, found, context);
+    stats = find_refinement_points(mesh.view(field), {mesh.grid, no_segments}, {}, look, found, context);
     return found;
 }
 
@@ -104,14 +103,11 @@ TEST(Refine, a_second_look_goes_to_what_is_bad_or_has_changed) {
     const auto search = [&](int kind, std::vector<std::uint32_t>& look) {
         std::vector<Vec3> found;
         if (kind == 0) {
-            find_refinement_points(mesh.points(), mesh.cells, mesh.regions, mesh.sides, field, 1, mesh.grid,
-                                   no_segments, {}, look, found, context);
+            find_refinement_points(mesh.view(field), {mesh.grid, no_segments}, {}, look, found, context);
         } else if (kind == 1) {
-            find_crossing_points(mesh.points(), mesh.cells, mesh.sides, mesh.registry.table(), field, 1,
-                                 mesh.grid, no_segments, {}, look, found, context);
+            find_crossing_points(mesh.view(field), {mesh.grid, no_segments}, {}, look, found, context);
         } else {
-            find_deviation_points(mesh.points(), mesh.cells, mesh.regions, mesh.registry.table(), field, 1,
-                                  mesh.grid, no_segments, {}, look, found, context);
+            find_deviation_points(mesh.view(field), {mesh.grid, no_segments}, {}, look, found, context);
         }
         return found;
     };
@@ -159,8 +155,7 @@ TEST(Refine, crossing_points_lie_on_the_interface_and_apart) {
         std::vector<Vec3> found;
         std::vector<std::uint32_t> look = mesh.all_cells();
         const CrossingStats stats =
-            find_crossing_points(mesh.points(), mesh.cells, mesh.sides, mesh.registry.table(), field, 1,
-                                 mesh.grid, no_segments, {}, look, found, context);
+            find_crossing_points(mesh.view(field), {mesh.grid, no_segments}, {}, look, found, context);
         if (round == 0) {
             first = stats.crossing_edges;
             EXPECT_GT(found.size(), 20u);
@@ -186,9 +181,8 @@ TEST(Refine, deviation_points_bring_the_surface_to_the_interface) {
     for (int round = 0; round < 8; ++round) {
         std::vector<Vec3> found;
         std::vector<std::uint32_t> look = mesh.all_cells();
-        const DeviationStats stats =
-            find_deviation_points(mesh.points(), mesh.cells, mesh.regions, mesh.registry.table(), field, 1,
-                                  mesh.grid, ProtectedSegments(size, 0), options, look, found, context);
+        const DeviationStats stats = find_deviation_points(
+            mesh.view(field), {mesh.grid, ProtectedSegments(size, 0)}, options, look, found, context);
         if (round == 0) first = stats.deviating;
         last = stats.deviating;
         for (const Vec3& p : found) EXPECT_NEAR(length(p), 5, 0.01);
@@ -212,9 +206,8 @@ TEST(Refine, deviation_points_stay_out_of_the_balls_of_contour_segments) {
         options.protected_share = share;
         std::vector<Vec3> found;
         std::vector<std::uint32_t> look = mesh.all_cells();
-        const DeviationStats stats =
-            find_deviation_points(mesh.points(), mesh.cells, mesh.regions, mesh.registry.table(), field, 1,
-                                  mesh.grid, protected_segments, options, look, found, context);
+        const DeviationStats stats = find_deviation_points(mesh.view(field), {mesh.grid, protected_segments},
+                                                           options, look, found, context);
         EXPECT_TRUE(found.empty());
         EXPECT_GT(stats.deviating, 0u);
         EXPECT_EQ(stats.refused, stats.deviating);
@@ -246,8 +239,8 @@ TEST(Refine, deviation_points_open_a_pocket_whose_facets_lie_in_its_rims_plane) 
     RunContext context;
     std::vector<Vec3> found;
     std::vector<std::uint32_t> look = mesh.all_cells();
-    find_deviation_points(mesh.points(), mesh.cells, mesh.regions, mesh.registry.table(), field, 1, mesh.grid,
-                          ProtectedSegments(size, 0), {}, look, found, context);
+    find_deviation_points(mesh.view(field), {mesh.grid, ProtectedSegments(size, 0)}, {}, look, found,
+                          context);
     EXPECT_TRUE(std::any_of(found.begin(), found.end(),
                             [](Vec3 p) { return std::hypot(p.x, p.y) < 2.9 && p.z > 0.5; }));
 }

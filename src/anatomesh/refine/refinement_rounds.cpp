@@ -60,14 +60,11 @@ double mean_ratio(const LabelledMesh& mesh, double bound, int threads) {
 }  // namespace
 
 RefinementRounds::RefinementRounds(LabelledMesh& mesh, ContourSubsegments& subsegments,
-                                   const ProtectedSegments& protected_segments, const StructureField& field,
-                                   std::uint32_t structures, std::span<const std::uint8_t> given,
-                                   const RefinementOptions& options)
+                                   const ProtectedSegments& protected_segments,
+                                   std::span<const std::uint8_t> given, const RefinementOptions& options)
     : mesh_(mesh),
       subsegments_(subsegments),
       protected_segments_(protected_segments),
-      field_(field),
-      structures_(structures),
       given_(given),
       options_(options) {}
 
@@ -105,9 +102,8 @@ Status RefinementRounds::meet_crossings(const CrossingOptions& options, RunConte
     for (int round = 0; round < crossing_rounds; ++round) {
         std::vector<Vec3> found;
         mesh_.look_again(crossings_);
-        const CrossingStats stats = find_crossing_points(
-            mesh_.points(), mesh_.cells(), mesh_.sides(), mesh_.registry().table(), field_, structures_,
-            mesh_.grid(), protected_segments_, options, crossings_.cells, found, context);
+        const CrossingStats stats =
+            find_crossing_points(mesh_.view(), occupied(), options, crossings_.cells, found, context);
         if (found.empty() && (options.protected_share == 1 || stats.balls.empty())) break;
         stats_.crossing_points += found.size();
         ANATOMESH_CHECK_STATUS(subsegments_.grow(
@@ -124,9 +120,7 @@ Status RefinementRounds::meet_deviations(RunContext& context) {
     for (int round = 0; round < (options_.spared ? dense_deviation_rounds : deviation_rounds); ++round) {
         std::vector<Vec3> found;
         mesh_.look_again(search);
-        find_deviation_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.registry().table(),
-                              field_, structures_, mesh_.grid(), protected_segments_, options, search.cells,
-                              found, context);
+        find_deviation_points(mesh_.view(), occupied(), options, search.cells, found, context);
         if (not_worth_a_round(found.size(), 500)) break;
         stats_.deviation_points += found.size();
         ANATOMESH_CHECK_STATUS(subsegments_.grow(found, {}, context));
@@ -143,9 +137,7 @@ Result<bool> RefinementRounds::meet_cuts(const CrossingOptions& options, RunCont
     for (int round = 0; round < cut_rounds; ++round) {
         std::vector<Vec3> found;
         mesh_.look_again(cuts_);
-        find_cut_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.registry().table(),
-                        options_.slices, field_, structures_, mesh_.grid(), protected_segments_, cut,
-                        cuts_.cells, found, context);
+        find_cut_points(mesh_.view(), options_.slices, occupied(), cut, cuts_.cells, found, context);
         if (found.empty()) break;
         stats_.cut_points += found.size();
         ANATOMESH_CHECK_STATUS(subsegments_.grow(found, {}, context));
@@ -233,9 +225,7 @@ RefineStats RefinementRounds::find_shape_points(double bound, double protected_s
     options.crowded_mm = options_.crowded_mm;
     options.protected_share = protected_share;
     mesh_.look_again(search);
-    return find_refinement_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.sides(), field_,
-                                  structures_, mesh_.grid(), protected_segments_, options, search.cells,
-                                  found, context);
+    return find_refinement_points(mesh_.view(), occupied(), options, search.cells, found, context);
 }
 
 int RefinementRounds::rounds_in_small_meshes(int otherwise) const {

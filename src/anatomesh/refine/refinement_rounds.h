@@ -7,7 +7,6 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/refine/contour_subsegments.h"
 #include "anatomesh/refine/cut_points.h"
 #include "anatomesh/refine/labelled_mesh.h"
@@ -47,8 +46,7 @@ class RefinementRounds {
   public:
     // `given`: by vertex, as in RefineOptions. Requires: all outlive this.
     RefinementRounds(LabelledMesh& mesh, ContourSubsegments& subsegments,
-                     const ProtectedSegments& protected_segments, const StructureField& field,
-                     std::uint32_t structures, std::span<const std::uint8_t> given,
+                     const ProtectedSegments& protected_segments, std::span<const std::uint8_t> given,
                      const RefinementOptions& options);
 
     // First the surface: points where edges cross an interface, then where facets deviate from it. Then the
@@ -74,14 +72,13 @@ class RefinementRounds {
     Status even_shapes(RunContext& context);
     RefineStats find_shape_points(double bound, double protected_share, CellSearch& search,
                                   std::vector<Vec3>& found, RunContext& context) const;
+    OccupiedSpace occupied() const { return {mesh_.grid(), protected_segments_}; }
     int rounds_in_small_meshes(int otherwise) const;
     bool not_worth_a_round(std::size_t count, std::size_t share) const;
 
     LabelledMesh& mesh_;
     ContourSubsegments& subsegments_;
     const ProtectedSegments& protected_segments_;
-    const StructureField& field_;
-    const std::uint32_t structures_;
     const std::span<const std::uint8_t> given_;
     const RefinementOptions options_;
     CellSearch crossings_, cuts_, shapes_;

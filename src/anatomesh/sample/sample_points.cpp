@@ -381,27 +381,36 @@ struct LatticePoint {
     std::uint32_t i, j, k;
 };
 
+// What the free points are placed by.
+struct FreePlacement {
+    const StructureField& field;
+    std::uint32_t structures;                     // of the field
+    double size;                                  // the edge length aimed at, in mm
+    const ProtectedSegments& protected_segments;  // free points keep out of their balls
+    int threads;
+};
+
 // Lattice points moved onto interfaces, each kept if it is far enough from those before it.
-void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>& near,
-                        const StructureField& field, std::uint32_t structures, double size,
-                        const ProtectedSegments& protected_segments, PointGrid& surface, PointSample& sample,
-                        std::vector<ThinSpot>& thin, int threads) {
+void add_surface_points(const FreePlacement& place, const Lattice& lattice,
+                        const std::vector<LatticePoint>& near, PointGrid& surface, PointSample& sample,
+                        std::vector<ThinSpot>& thin) {
+    const double size = place.size;
     std::vector<std::optional<Vec3>> moved(near.size());
     std::vector<int> levels(near.size(), 0);
     std::vector<std::uint8_t> allowed(near.size(), 0);
-    parallel_for(near.size(), 1024, threads, [&](std::size_t first, std::size_t last) {
-        InterfaceProbe probe(field, structures);
-        const LocalThickness local_thickness(field, thin_wall * size);
+    parallel_for(near.size(), 1024, place.threads, [&](std::size_t first, std::size_t last) {
+        InterfaceProbe probe(place.field, place.structures);
+        const LocalThickness local_thickness(place.field, thin_wall * size);
         std::vector<std::uint32_t> changed;
         for (std::size_t n = first; n < last; ++n) {
             const Vec3 p = lattice.position(near[n].i, near[n].j, near[n].k);
             moved[n] = probe.project(p, 2.0 * surface_band * size, position_tolerance * size);
             if (!moved[n]) continue;
             if (const auto thickness =
-                    thickness_beside(p, *moved[n], local_thickness, probe, structures, changed)) {
+                    thickness_beside(p, *moved[n], local_thickness, probe, place.structures, changed)) {
                 levels[n] = level_of(*thickness, size);
             }
-            allowed[n] = protected_segments.allows(*moved[n], protected_spacing * size);
+            allowed[n] = place.protected_segments.allows(*moved[n], protected_spacing * size);
         }
     });
     for (std::size_t n = 0; n < near.size(); ++n) {
@@ -413,11 +422,11 @@ void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>&
 }
 
 // Points on the interfaces about the places where a wall is thin, the finer the thinner it is.
-void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const StructureField& field,
-                          std::uint32_t structures, double size, const ProtectedSegments& protected_segments,
-                          PointGrid& surface, PointSample& sample, int threads) {
+void add_thin_wall_points(const FreePlacement& place, Vec3 low, const std::vector<ThinSpot>& thin,
+                          PointGrid& surface, PointSample& sample) {
+    const double size = place.size;
     std::vector<std::vector<Vec3>> sites_of_level(max_thin_level);
-    parallel_for(sites_of_level.size(), 1, threads, [&](std::size_t first, std::size_t last) {
+    parallel_for(sites_of_level.size(), 1, place.threads, [&](std::size_t first, std::size_t last) {
         for (std::size_t n = first; n < last; ++n)
             sites_of_level[n] = fine_sites(low, thin, max_thin_level - static_cast<int>(n), size);
     });
@@ -426,22 +435,22 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
         const std::vector<Vec3> sites =
             std::move(sites_of_level[static_cast<std::size_t>(max_thin_level - level)]);
         std::vector<std::optional<Vec3>> moved(sites.size());
-        parallel_for(sites.size(), 256, threads, [&](std::size_t first, std::size_t last) {
-            InterfaceProbe probe(field, structures);
-            const LocalThickness local_thickness(field, thin_wall * size);
+        parallel_for(sites.size(), 256, place.threads, [&](std::size_t first, std::size_t last) {
+            InterfaceProbe probe(place.field, place.structures);
+            const LocalThickness local_thickness(place.field, thin_wall * size);
             std::vector<std::uint32_t> changed;
             for (std::size_t n = first; n < last; ++n) {
                 if (probe.look(sites[n], surface_band * local).distance >= surface_band * local) continue;
                 moved[n] = probe.project(sites[n], 2.0 * surface_band * local, position_tolerance * local);
                 if (!moved[n]) continue;
                 if (surface.any_within(*moved[n], surface_spacing * local) ||
-                    !protected_segments.allows(*moved[n], protected_spacing * local)) {
+                    !place.protected_segments.allows(*moved[n], protected_spacing * local)) {
                     moved[n].reset();
                     continue;
                 }
                 // A spot's neighbourhood may be thicker than the spot.
                 const auto thickness =
-                    thickness_beside(sites[n], *moved[n], local_thickness, probe, structures, changed);
+                    thickness_beside(sites[n], *moved[n], local_thickness, probe, place.structures, changed);
                 if (thickness && level_of(0.8 * *thickness, size) < level) moved[n].reset();
             }
         });
@@ -453,9 +462,8 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
     }
 }
 
-void add_lattice_points(const Lattice& lattice, const Sites& sites, double size, double growth,
-                        const ProtectedSegments& protected_segments, const PointGrid& surface,
-                        PointSample& sample, int threads) {
+void add_lattice_points(const FreePlacement& place, const Lattice& lattice, const Sites& sites, double growth,
+                        const PointGrid& surface, PointSample& sample) {
     const SiteReader reader(lattice, sites);
     const DepthMap depths(lattice, reader);
     std::vector<std::vector<Vec3>> layers(lattice.size[2]);
@@ -473,14 +481,14 @@ void add_lattice_points(const Lattice& lattice, const Sites& sites, double size,
                     if ((1 << (coarsest_level(i, j, k) + 1)) <= wanted) continue;
                 }
                 const Vec3 p = lattice.position(i, j, k);
-                if (surface.any_within(p, protected_spacing * size) ||
-                    !protected_segments.allows(p, protected_spacing * size))
+                if (surface.any_within(p, protected_spacing * place.size) ||
+                    !place.protected_segments.allows(p, protected_spacing * place.size))
                     continue;
                 layers[k].push_back(p);
             }
         }
     };
-    parallel_for(lattice.size[2], 1, threads, [&](std::size_t first, std::size_t last) {
+    parallel_for(lattice.size[2], 1, place.threads, [&](std::size_t first, std::size_t last) {
         for (std::size_t k = first; k < last; ++k) add_layer(static_cast<std::uint32_t>(k));
     });
     const std::size_t before = sample.points.size();
@@ -575,7 +583,6 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     sample.protected_segments = SegmentSplitter(size, is_parallel(contours), sample)
                                     .split(contours, field, context.threads, thin, options.conforming,
                                            options.apart || is_parallel(contours));
-    const ProtectedSegments& protected_segments = sample.protected_segments;
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 
     const std::uint32_t structures = static_cast<std::uint32_t>(contours.structures.size());
@@ -594,14 +601,12 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
         }
     }
     PointGrid surface(surface_spacing * size, near.size());
-    add_surface_points(lattice, near, field, structures, size, protected_segments, surface, sample, thin,
-                       context.threads);
-    add_thin_wall_points(lattice.low, thin, field, structures, size, protected_segments, surface, sample,
-                         context.threads);
+    const FreePlacement place{field, structures, size, sample.protected_segments, context.threads};
+    add_surface_points(place, lattice, near, surface, sample, thin);
+    add_thin_wall_points(place, lattice.low, thin, surface, sample);
     sample.stats.surface_points = surface.size();
     sample.stats.thin_spots = thin.size();
-    add_lattice_points(lattice, sites, size, options.growth, protected_segments, surface, sample,
-                       context.threads);
+    add_lattice_points(place, lattice, sites, options.growth, surface, sample);
     add_frame(box, sample);
     return sample;
 }

@@ -78,21 +78,19 @@ class PlaneFit {
 
 class Balancer {
   public:
-    Balancer(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const VertexStars& stars,
-             const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
-             std::span<const double> targets, double max_radius_edge, const BalanceOptions& options,
+    Balancer(const MovableMesh& mesh, std::span<const double> targets, const BalanceOptions& options,
              int threads)
-        : mesh_(mesh),
-          regions_(regions),
+        : mesh_(mesh.mesh),
+          regions_(mesh.regions),
           targets_(targets),
           options_(options),
           threads_(threads),
-          mover_(mesh, stars, max_radius_edge,
+          mover_(mesh.mesh, mesh.stars, options.max_radius_edge,
                  std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
-          moved_(mesh.points.size()) {
-        collect(neighbors, fixed);
+          moved_(mesh.mesh.points.size()) {
+        collect(mesh.neighbors, mesh.fixed);
         find_ends();
-        put_onto_ends(stars, max_radius_edge);
+        put_onto_ends(mesh.stars, options.max_radius_edge);
     }
 
     BalanceStats run() {
@@ -355,13 +353,10 @@ class Balancer {
 
 }  // namespace
 
-BalanceStats balance_volumes(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                             const VertexStars& stars, const RegionTable& regions,
-                             const std::vector<std::uint8_t>& fixed, std::span<const double> target_mm3,
-                             double max_radius_edge, const BalanceOptions& options, int threads) {
-    assert(fixed.size() == mesh.points.size());
-    return Balancer(mesh, neighbors, stars, regions, fixed, target_mm3, max_radius_edge, options, threads)
-        .run();
+BalanceStats balance_volumes(const MovableMesh& mesh, std::span<const double> target_mm3,
+                             const BalanceOptions& options, int threads) {
+    assert(mesh.fixed.size() == mesh.mesh.points.size());
+    return Balancer(mesh, target_mm3, options, threads).run();
 }
 
 }  // namespace anatomesh

@@ -5,17 +5,18 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/base/contract.h"
 #include "anatomesh/geom/plane_sides.h"
-#include "anatomesh/mesh/model/tet_mesh.h"
-#include "anatomesh/mesh/stars/star.h"
+#include "anatomesh/improve/smooth/movable_mesh.h"
 
 namespace anatomesh {
 
 struct BalanceOptions {
-    double tolerance = 2e-4;     // relative difference of volumes that is left alone. [1e-9, 1]
-    double max_offset_mm = 0.5;  // no vertex moves further than this. > 0
-    int rounds = 12;             // [0, 100]
+    double max_radius_edge =
+        contract::max_radius_edge;  // no ratio rises above both this and the worst at the vertex. [1.2, 10]
+    double tolerance = 2e-4;        // relative difference of volumes that is left alone. [1e-9, 1]
+    double max_offset_mm = 0.5;     // no vertex moves further than this. > 0
+    int rounds = 12;                // [0, 100]
     double min_dihedral_degrees =
         15;                        // angles inside may fall to this; below it they do not get worse. [0, 40]
     PlaneSides slices;             // through which no vertex passes, and none that lies in one leaves it
@@ -38,16 +39,14 @@ struct BalanceStats {
 // meet the targets: the numbers solve a linear system, weighed by the areas that are free to move. Flat ends
 // cut no corners: their vertices are put into their plane and move within it, and only where the volumes
 // cannot be met like that the ends move as well (ends_held). No vertex passes through a slice's plane: what
-// is cut there would be another area than is drawn. Guarantees: vertices with fixed[v] != 0 do not move;
+// is cut there would be another area than is drawn. Guarantees: fixed vertices do not move;
 // connectivity and regions do not change; every cell stays positive by exact orientation; the worst
 // radius-edge ratio of the cells inside round a vertex never rises above both `max_radius_edge` and what it
 // was; nor does the least sine of their dihedral angles fall below both that of the smallest angle allowed
 // and what it was. A structure without free vertices keeps its volume. Requires: targets of all structures,
-// in mm^3; a mesh and its neighbors as region_facets() wants them, and its stars. Complexity: linear in the
+// in mm^3. Complexity: linear in the
 // facets, a round. Same result at any number of threads.
-BalanceStats balance_volumes(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                             const VertexStars& stars, const RegionTable& regions,
-                             const std::vector<std::uint8_t>& fixed, std::span<const double> target_mm3,
-                             double max_radius_edge, const BalanceOptions& options, int threads = 1);
+BalanceStats balance_volumes(const MovableMesh& mesh, std::span<const double> target_mm3,
+                             const BalanceOptions& options, int threads = 1);
 
 }  // namespace anatomesh

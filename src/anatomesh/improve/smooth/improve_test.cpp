@@ -170,6 +170,13 @@ std::vector<std::uint32_t> neighbors_of(const TetMesh& mesh) {
     return cell_neighbors(mesh.cells, mesh.points.size());
 }
 
+BalanceStats balanced(TetMesh& mesh, const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
+                      std::span<const double> target_mm3, const BalanceOptions& options) {
+    const std::vector<std::uint32_t> neighbors = neighbors_of(mesh);
+    const VertexStars stars = stars_of(mesh);
+    return balance_volumes({mesh, neighbors, stars, fixed, regions}, target_mm3, options);
+}
+
 TEST(BalanceVolumes, meets_the_targets_and_moves_no_fixed_vertex) {
     for (const Solid& solid : solids()) {
         SCOPED_TRACE(solid.name);
@@ -178,8 +185,7 @@ TEST(BalanceVolumes, meets_the_targets_and_moves_no_fixed_vertex) {
         const TetMesh before = culled.mesh();
         TetMesh mesh = before;
         const std::vector<std::uint8_t> fixed = some_fixed(mesh);
-        const BalanceStats stats = balance_volumes(mesh, neighbors_of(mesh), stars_of(mesh),
-                                                   culled.registry.table(), fixed, solid.volumes, 2, {});
+        const BalanceStats stats = balanced(mesh, culled.registry.table(), fixed, solid.volumes, {});
         expect_positive(mesh);
         EXPECT_EQ(mesh.cells, before.cells);
         EXPECT_EQ(mesh.regions, before.regions);
@@ -207,9 +213,8 @@ TEST(BalanceVolumes, does_nothing_when_the_volumes_are_right) {
     const CulledMesh culled = culled_mesh(field, 1, 1);
     TetMesh mesh = culled.mesh();
     const std::vector<double> volumes = volumes_of(mesh, culled.registry.table(), 1);
-    const BalanceStats stats =
-        balance_volumes(mesh, neighbors_of(mesh), stars_of(mesh), culled.registry.table(),
-                        std::vector<std::uint8_t>(mesh.points.size(), 0), volumes, 2, {});
+    const BalanceStats stats = balanced(mesh, culled.registry.table(),
+                                        std::vector<std::uint8_t>(mesh.points.size(), 0), volumes, {});
     EXPECT_EQ(stats.moves, 0u);
     EXPECT_EQ(mesh.points, culled.points());
 }
@@ -230,8 +235,7 @@ TEST(BalanceVolumes, no_vertex_passes_through_a_slice) {
             TetMesh mesh = culled.mesh();
             const BalanceOptions slices = held ? options : BalanceOptions{};
             const BalanceStats stats =
-                balance_volumes(mesh, neighbors_of(mesh), stars_of(mesh), culled.registry.table(),
-                                some_fixed(mesh), solid.volumes, 2, slices);
+                balanced(mesh, culled.registry.table(), some_fixed(mesh), solid.volumes, slices);
             for (std::size_t v = 0; v < mesh.points.size(); ++v) {
                 const auto level = [&](Vec3 p) { return stack.level(p, options.slices.on_plane_mm); };
                 passed[held] += level(mesh.points[v]) != level(culled.points()[v]);
@@ -252,9 +256,8 @@ TEST(BalanceVolumes, a_target_out_of_reach_stops_at_the_largest_offset) {
     BalanceOptions options;
     options.max_offset_mm = 0.05;
     const double target[] = {1000};
-    const BalanceStats stats =
-        balance_volumes(mesh, neighbors_of(mesh), stars_of(mesh), culled.registry.table(),
-                        std::vector<std::uint8_t>(mesh.points.size(), 0), target, 2, options);
+    const BalanceStats stats = balanced(mesh, culled.registry.table(),
+                                        std::vector<std::uint8_t>(mesh.points.size(), 0), target, options);
     EXPECT_LE(stats.largest_offset_mm, 0.05 * (1 + 1e-12));
     EXPECT_LE(stats.worst_after, stats.worst_before);
     expect_positive(mesh);

@@ -41,20 +41,19 @@ constexpr double turned_cosine = 0.8;  // the same after it slid
 
 class Smoother {
   public:
-    Smoother(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const VertexStars& stars,
-             const std::vector<std::uint8_t>& fixed, const StructureField& field, std::uint32_t structures,
-             const RegionTable& regions, const SmoothOptions& options)
-        : mesh_(mesh),
-          neighbors_(neighbors),
-          fixed_(fixed),
+    Smoother(const MovableMesh& mesh, const StructureField& field, std::uint32_t structures,
+             const SmoothOptions& options)
+        : mesh_(mesh.mesh),
+          neighbors_(mesh.neighbors),
+          fixed_(mesh.fixed),
           field_(field),
           structures_(structures),
-          regions_(regions),
+          regions_(mesh.regions),
           options_(options),
           min_sine_(std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
-          mover_(mesh, stars, options.max_radius_edge, min_sine_),
-          vertices_(mesh.points.size()),
-          moved_(mesh.points.size(), 0) {
+          mover_(mesh.mesh, mesh.stars, options.max_radius_edge, min_sine_),
+          vertices_(mesh.mesh.points.size()),
+          moved_(mesh.mesh.points.size(), 0) {
         std::iota(vertices_.begin(), vertices_.end(), 0u);
     }
 
@@ -303,13 +302,11 @@ class Smoother {
 
 }  // namespace
 
-SmoothStats smooth_vertices(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const VertexStars& stars,
-                            const std::vector<std::uint8_t>& fixed, const StructureField& field,
-                            std::uint32_t structures, const RegionTable& regions,
+SmoothStats smooth_vertices(const MovableMesh& mesh, const StructureField& field, std::uint32_t structures,
                             const SmoothOptions& options, RunContext& context) {
-    assert(fixed.size() == mesh.points.size());
-    assert(neighbors.size() == 4 * mesh.cells.size());
-    return Smoother(mesh, neighbors, stars, fixed, field, structures, regions, options).run(context);
+    assert(mesh.fixed.size() == mesh.mesh.points.size());
+    assert(mesh.neighbors.size() == 4 * mesh.mesh.cells.size());
+    return Smoother(mesh, field, structures, options).run(context);
 }
 
 }  // namespace anatomesh

@@ -10,8 +10,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/geom/plane_sides.h"
-#include "anatomesh/mesh/model/tet_mesh.h"
-#include "anatomesh/mesh/stars/star.h"
+#include "anatomesh/improve/smooth/movable_mesh.h"
 
 namespace anatomesh {
 
@@ -37,18 +36,15 @@ struct SmoothStats {
 
 // Gives each free vertex inside, and each on a smooth interface of two regions, the place near it where the
 // sum of the radius-edge ratios of the cells inside round it is least: a few times down the gradient, or
-// along the interface and then back onto that of the field between its regions (`regions`). Vertices of more
+// along the interface and then back onto that of the field between its regions. Vertices of more
 // than 96 cells stay, and those where the sum hardly depends on the place; in the further passes it may
-// depend on it less. Guarantees: vertices with fixed[v] != 0 do not move; connectivity and regions do not
+// depend on it less. Guarantees: fixed vertices do not move; connectivity and regions do not
 // change; every cell stays positive by exact orientation, and none gets nearly flat; no facet of an interface
 // turns by more than 37 degrees from what its surface was at the vertex. Same result at any number of
-// threads. Requires: the mesh holds the cells outside too; every vertex on its hull is fixed; `stars` of the
-// mesh; `neighbors` as cell_neighbors() gives them. Complexity: linear in the cells.
+// threads. Complexity: linear in the cells.
 // Follows: Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997 (local optimisation, vertex by
 // vertex).
-SmoothStats smooth_vertices(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const VertexStars& stars,
-                            const std::vector<std::uint8_t>& fixed, const StructureField& field,
-                            std::uint32_t structures, const RegionTable& regions,
+SmoothStats smooth_vertices(const MovableMesh& mesh, const StructureField& field, std::uint32_t structures,
                             const SmoothOptions& options, RunContext& context);
 
 }  // namespace anatomesh

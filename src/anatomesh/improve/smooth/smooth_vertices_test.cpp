@@ -42,9 +42,10 @@ SmoothStats smoothed(LabelledCase& made, int passes, int threads = 1, double max
     options.passes = passes;
     options.max_mean = max_mean;
     options.slices = slices;
-    return smooth_vertices(made.mesh, cell_neighbors(made.mesh.cells, made.mesh.points.size()),
-                           VertexStars(made.mesh.cells, made.mesh.points.size(), threads), made.fixed,
-                           made.field, made.structures, made.regions, options, context);
+    const std::vector<std::uint32_t> neighbors = cell_neighbors(made.mesh.cells, made.mesh.points.size());
+    const VertexStars stars(made.mesh.cells, made.mesh.points.size(), threads);
+    return smooth_vertices({made.mesh, neighbors, stars, made.fixed, made.regions}, made.field,
+                           made.structures, options, context);
 }
 
 TEST(SmoothVertices, lowers_the_mean_ratio_and_keeps_what_must_stay) {
@@ -145,8 +146,9 @@ TEST(SmoothVertices, a_vertex_off_the_middle_of_its_neighbours_goes_there) {
         SmoothOptions options;
         options.passes = 20;
         const AnalyticField field({ball({}, 50)}, 60);
-        smooth_vertices(mesh, cell_neighbors(mesh.cells, 7), VertexStars(mesh.cells, 7),
-                        {1, 1, 1, 1, 1, 1, 0}, field, 1, {{{}, {0}}}, options, context);
+        const std::vector<std::uint32_t> neighbors = cell_neighbors(mesh.cells, 7);
+        smooth_vertices({mesh, neighbors, VertexStars(mesh.cells, 7), {1, 1, 1, 1, 1, 1, 0}, {{{}, {0}}}},
+                        field, 1, options, context);
         EXPECT_LT(length(mesh.points[6]), 0.12);
     }
 }
