@@ -4,7 +4,7 @@
 #include <random>
 
 #include "anatomesh/cut/relabel.h"
-#include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/cut/resolve_nonmanifold.h"
 #include "anatomesh/cut/spurious_components.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/geom/predicates.h"
@@ -87,7 +87,7 @@ void expect_manifold(const Case& result, std::uint32_t structures) {
 
 void cut_and_check(Case& random, std::uint32_t structures, const ContourOwners& owners, bool relabel_first) {
     const double volume = total_volume(random.mesh);
-    std::vector<std::uint32_t> unsound;
+    std::vector<std::uint32_t> nonmanifold;
     if (relabel_first) {
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
         const RelabelStats stats = relabel({random.mesh.points,
@@ -98,13 +98,12 @@ void cut_and_check(Case& random, std::uint32_t structures, const ContourOwners& 
                                             {},
                                             random.mesh.regions,
                                             random.registry},
-                                           {}, unsound);
-        EXPECT_LT(stats.unsound_after, stats.unsound_before);
+                                           {}, nonmanifold);
+        EXPECT_LT(stats.nonmanifold_after, stats.nonmanifold_before);
     } else {
-        for (std::uint32_t v = 0; v + 8 < random.mesh.points.size(); ++v) unsound.push_back(v);
+        for (std::uint32_t v = 0; v + 8 < random.mesh.points.size(); ++v) nonmanifold.push_back(v);
     }
-    RunContext context;
-    const auto split = split_unsound(random.mesh, unsound, owners, random.registry, {}, context);
+    const auto split = resolve_nonmanifold(random.mesh, nonmanifold, owners, random.registry, {});
     ASSERT_TRUE(split.ok()) << to_line(split.error());
     expect_manifold(random, structures);
     EXPECT_NEAR(total_volume(random.mesh), volume, 1e-9 * volume);
@@ -191,7 +190,7 @@ TEST(Cut, subsegments_are_brought_onto_the_surface) {
         }
         const ContourOwners owners({}, random.mesh.points.size(), subsegments);
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
-        std::vector<std::uint32_t> unsound;
+        std::vector<std::uint32_t> nonmanifold;
         const RelabelStats stats = relabel({random.mesh.points,
                                             random.mesh.cells,
                                             random.neighbors,
@@ -200,7 +199,7 @@ TEST(Cut, subsegments_are_brought_onto_the_surface) {
                                             {},
                                             random.mesh.regions,
                                             random.registry},
-                                           {}, unsound);
+                                           {}, nonmanifold);
         before += stats.lost_subsegments_before;
         after += stats.lost_subsegments_after;
         // Counted anew from the regions.
@@ -218,7 +217,7 @@ TEST(Cut, subsegments_are_brought_onto_the_surface) {
             lost += in != out;
         }
         EXPECT_EQ(stats.lost_subsegments_after, lost);
-        EXPECT_LE(stats.unsound_after, stats.unsound_before);
+        EXPECT_LE(stats.nonmanifold_after, stats.nonmanifold_before);
     }
     EXPECT_GT(before, 10u);
     EXPECT_LT(2 * after, before);
@@ -241,11 +240,11 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_subsegments) {
             const bool outer = std::any_of(v.begin(), v.end(), [](std::uint32_t n) { return n >= 300; });
             random.mesh.regions[c] = !outer && height < 0 ? 1 : 0;
         }
-        std::vector<std::uint32_t> unsound;
+        std::vector<std::uint32_t> nonmanifold;
         const VertexStars stars(mesh.cells, mesh.points.size());
         relabel(
             {mesh.points, mesh.cells, random.neighbors, stars, {}, {}, random.mesh.regions, random.registry},
-            {}, unsound);
+            {}, nonmanifold);
         std::vector<std::array<std::uint32_t, 3>> subsegments;
         for (const Triangle& t : structure_surface(mesh, random.registry.table(), 0)) {
             for (std::size_t k = 0; k < 3; ++k) {
@@ -291,7 +290,7 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_subsegments) {
                             known,
                             random.mesh.regions,
                             random.registry},
-                           options, unsound)
+                           options, nonmanifold)
                 .lost_subsegments_after;
         };
         all_subsegments += subsegments.size();

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "anatomesh/cut/relabel.h"
-#include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/cut/resolve_nonmanifold.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
@@ -230,27 +230,27 @@ TEST(DrawnCuts, what_is_wanted_makes_less_wrong) {
     EXPECT_GT(10 * less, 9 * wanted);
 }
 
-// With slices to look at: as sound as without, and cuts that are nearer to what is drawn.
+// With slices to look at: as manifold as without, and cuts that are nearer to what is drawn.
 TEST(DrawnCuts, relabelling_keeps_the_cuts) {
     double without = 0, with = 0;
     for (std::uint32_t seed = 1; seed <= 12; ++seed) {
         for (const bool look : {false, true}) {
             Case random(seed, seed % 2 == 0, 12);
             const VertexStars stars(random.mesh.cells, random.mesh.points.size());
-            std::vector<std::uint32_t> unsound;
-            const RelabelStats stats = relabel({random.mesh.points,
-                                                random.mesh.cells,
-                                                random.neighbors,
-                                                stars,
-                                                {},
-                                                {},
-                                                random.mesh.regions,
-                                                random.registry},
-                                               {}, unsound, {}, 1, look ? random.slices() : SlicePlanes{});
-            EXPECT_LT(stats.unsound_after, stats.unsound_before);
+            std::vector<std::uint32_t> nonmanifold;
+            const RelabelStats stats =
+                relabel({random.mesh.points,
+                         random.mesh.cells,
+                         random.neighbors,
+                         stars,
+                         {},
+                         {},
+                         random.mesh.regions,
+                         random.registry},
+                        {}, nonmanifold, {}, 1, look ? random.slices() : SlicePlanes{});
+            EXPECT_LT(stats.nonmanifold_after, stats.nonmanifold_before);
             (look ? with : without) += random.wrong_area();
-            RunContext context;
-            const auto split = split_unsound(random.mesh, unsound, {}, random.registry, {}, context);
+            const auto split = resolve_nonmanifold(random.mesh, nonmanifold, {}, random.registry, {});
             ASSERT_TRUE(split.ok()) << to_line(split.error());
             for (std::uint32_t structure = 0; structure < 2; ++structure) {
                 const SurfaceTopology t =

@@ -16,10 +16,9 @@ namespace anatomesh {
 inline constexpr double spike_share = 0.3;  // of a size: a vertex so far from interfaces would be a spike
 
 struct RelabelStats {
-    std::uint64_t unsound_before = 0, unsound_after = 0;  // vertices
-    std::uint64_t lost_before = 0, lost_after = 0;        // contour vertices off their structure's surface
-    std::uint64_t lost_subsegments_before = 0,
-                  lost_subsegments_after = 0;  // of contour segments, off their structure's surface
+    std::uint64_t nonmanifold_before = 0, nonmanifold_after = 0;  // vertices
+    std::uint64_t lost_before = 0, lost_after = 0;  // contour vertices off their structure's surface
+    std::uint64_t lost_subsegments_before = 0, lost_subsegments_after = 0;  // off their structure's surface
     std::uint64_t cells_moved = 0;
     std::uint64_t cells_mended = 0;       // relabelled to what is drawn where a slice's plane cuts them
     std::uint64_t flat_cells_peeled = 0;  // nearly flat cells relabelled to the region beside them
@@ -29,7 +28,7 @@ struct RelabelStats {
         cells_moved += later.cells_moved;
         cells_mended += later.cells_mended;
         flat_cells_peeled += later.flat_cells_peeled;
-        unsound_after = later.unsound_after;
+        nonmanifold_after = later.nonmanifold_after;
         lost_after = later.lost_after;
         lost_subsegments_after = later.lost_subsegments_after;
     }
@@ -59,34 +58,34 @@ struct RelabelledMesh {
     RegionRegistry& registry;
 };
 
-// Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the subsegments of
-// contour segments off their surface): at an unsound vertex a component too many is relabelled to the region
-// beside it, or, where a contour vertex is off its surface, one or two cells at it change sides, or, where a
-// subsegment of a contour segment is, one or two cells at that edge, whenever the sum falls. Of several moves
-// one that loses the fewest subsegments is made, then one by which the sum falls most: what else is amiss
-// beside it is mended by moves of its own. Vertices are taken in rising order, round by round, until nothing
-// falls. Among moves of one effect that with the fewest vertices left on a side where the field does not have
-// them (`memberships`). A subsegment is not brought back at
-// the price of such a vertex, but for one less deep than near_mm: that would be a spike. With several
-// structures, moves that bring a deep vertex onto a surface are made only when no others are left. Where
-// `slices` are no stack, then, four times, a subsegment is brought back also by one of up to twelve moves
-// that do not make the sum fall, if up to six rounds of moves at the vertices concerned make it fall below
-// what it was, with fewer subsegments lost and no more vertices on a side where the field does not have them
-// (Kernighan and Lin, Bell Syst. Tech. J. 49, 1970). Guarantees: the sum never rises; same result every time,
-// at any number of threads. Does not always reach 0: what is left is for split_unsound(). `unsound` receives
-// the vertices left, in rising order. Last, nearly flat cells at an interface (six volumes below a millionth
-// of the cube of the longest edge: four vertices of two contours one above the other) go to the other side
-// where no defect rises: that moves the surface by less than a millionth of an edge. `look`: the vertices
-// that may have a defect, those of cells new since the last call among them; empty: all. The figures before
-// are of these alone. With `slices`: moves that make cuts less like what is drawn (drawn_cuts.h; where planes
-// cross, by more than a ten-thousandth of it) wait until no others are left, as do, meanwhile, of a stack,
-// those that bring a deep vertex onto a surface; then one that does neither is taken sooner. Of a stack two
-// components of a side are joined, besides, by cells of the star that lie all above the slice's plane, or all
-// below it: where what is drawn touches itself in a point of the slice, that is the only way to a manifold
-// with the drawn cut, and is gone, through deep vertices too, before a cut is spoiled. At the end cells that
-// are wrong where a plane cuts them are relabelled to what is drawn there if no defect rises.
+// Greedy descent on a weighted sum over all vertices: singularity counts (StarAnalyzer::singularity_count) and, with
+// less weight, subsegments off their structure's surface. Moves are made whenever the sum falls:
+// - At a non-manifold vertex a component too many goes to the region beside it.
+// - Where a contour vertex is off its surface, one or two cells at it change sides.
+// - Where a subsegment is, one or two cells at that edge do.
+// Vertices are taken in rising order, round by round. Among several moves those come first that lose fewest
+// subsegments, then those by which the sum falls most, then those that leave fewest vertices on a side where the field
+// does not have them. A subsegment is not brought back at the price of such a vertex, which would be a spike, but for
+// one less deep than near_mm.
+//
+// Some moves wait until no others are left: those by which subsegments are lost, with losses_wait; those that bring a
+// deep vertex onto a surface, with several structures; those that make cross-sections less like what is drawn, with
+// `slices` (drawn_cuts.h; where planes cross, by more than a ten-thousandth of it).
+//
+// In a stack two components of a side are joined, besides, by cells of the star that lie all above the slice's plane,
+// or all below it: where what is drawn touches itself in a point, only that leads to a manifold with the drawn section.
+// Elsewhere a subsegment is brought back also by moves of variable depth: up to twelve that do not make the sum fall,
+// each with up to six rounds of moves after it (Kernighan and Lin, Bell Syst. Tech. J. 49, 1970); four times.
+//
+// At the end two kinds of cells change sides where no singularity count rises: nearly flat ones at an interface (six
+// volumes below a millionth of the cube of the longest edge), which moves the surface by less than a millionth of an
+// edge; and those that are wrong where a slice's plane cuts them.
+//
+// `look`: the vertices that may have a share in the sum, those of cells new since the last call among them; empty: all.
+// The figures before are of these alone. `nonmanifold` receives the vertices left, in rising order, for
+// resolve_nonmanifold(). Guarantees: the sum never rises; the same result at any number of threads.
 RelabelStats relabel(const RelabelledMesh& mesh, const RelabelOptions& options,
-                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look = {},
+                     std::vector<std::uint32_t>& nonmanifold, const std::vector<std::uint32_t>& look = {},
                      int threads = 1, const SlicePlanes& slices = {});
 
 }  // namespace anatomesh

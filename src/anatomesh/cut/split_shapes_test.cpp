@@ -10,7 +10,7 @@
 #include <set>
 
 #include "anatomesh/cut/relabel.h"
-#include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/cut/resolve_nonmanifold.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
@@ -61,11 +61,10 @@ struct Cubes {
     }
 };
 
-SplitStats split(Cubes& cubes, const ContourOwners& owners = {}) {
-    RunContext context;
-    const auto done = split_unsound(cubes.mesh, cubes.all_vertices(), owners, cubes.registry, {}, context);
+NonmanifoldStats split(Cubes& cubes, const ContourOwners& owners = {}) {
+    const auto done = resolve_nonmanifold(cubes.mesh, cubes.all_vertices(), owners, cubes.registry, {});
     EXPECT_TRUE(done.ok()) << to_line(done.error());
-    return done.ok() ? done.value() : SplitStats{};
+    return done.ok() ? done.value() : NonmanifoldStats{};
 }
 
 std::vector<std::uint32_t> structure_if(bool inside) {
@@ -83,7 +82,7 @@ void expect_manifold(const Cubes& cubes, std::uint32_t structures) {
 TEST(SplitShapes, a_manifold_is_left_as_it_is) {
     Cubes cubes(5, [](int i, int, int) { return structure_if(i == 2); });
     const TetMesh before = cubes.mesh;
-    const SplitStats stats = split(cubes);
+    const NonmanifoldStats stats = split(cubes);
     EXPECT_EQ(stats.points_added, 0u);
     EXPECT_EQ(cubes.mesh.points, before.points);
     EXPECT_EQ(std::set<Cell>(cubes.mesh.cells.begin(), cubes.mesh.cells.end()),
@@ -93,7 +92,7 @@ TEST(SplitShapes, a_manifold_is_left_as_it_is) {
 TEST(SplitShapes, M08_two_cubes_that_share_an_edge) {
     Cubes cubes(6, [](int i, int j, int k) { return structure_if(k == 2 && i == j && (i == 2 || i == 3)); });
     EXPECT_EQ(cubes.topology(0).nonmanifold_edges, 1u);
-    const SplitStats stats = split(cubes);
+    const NonmanifoldStats stats = split(cubes);
     EXPECT_GE(stats.edges_split, 1u);
     expect_manifold(cubes, 1);
     EXPECT_NEAR(cubes.volume(0), 2, 0.3);
@@ -103,7 +102,7 @@ TEST(SplitShapes, M08_two_cubes_that_share_a_corner) {
     Cubes cubes(6, [](int i, int j, int k) { return structure_if(i == j && j == k && (i == 2 || i == 3)); });
     EXPECT_EQ(cubes.topology(0).nonmanifold_edges, 0u);
     EXPECT_EQ(cubes.topology(0).nonmanifold_vertices, 1u);
-    const SplitStats stats = split(cubes);
+    const NonmanifoldStats stats = split(cubes);
     EXPECT_EQ(stats.edges_split, 0u);
     EXPECT_EQ(stats.vertices_split, 1u);
     expect_manifold(cubes, 1);
@@ -142,16 +141,16 @@ TEST(SplitShapes, contour_segments_at_the_shared_corner_stay_on_the_surface) {
                                                                     {at({3, 2, 3}), corner, 0},
                                                                     {corner, at({4, 3, 3}), last},
                                                                     {at({3, 4, 3}), corner, last}};
-        const SplitStats stats =
+        const NonmanifoldStats stats =
             split(cubes, ContourOwners({{corner, 0}, {corner, last}}, cubes.mesh.points.size(), subsegments));
         EXPECT_EQ(stats.vertices_split, 1u);
-        EXPECT_EQ(stats.on_segments.size(), subsegments.size());
+        EXPECT_EQ(stats.segments.vertices.size(), subsegments.size());
         expect_manifold(cubes, structures);
         for (const auto& [a, b, structure] : subsegments) {
             const Vec3 middle = 0.5 * (cubes.mesh.points[a] + cubes.mesh.points[b]);
             const std::uint32_t between = at(middle);
-            EXPECT_NE(std::find(stats.on_segments.begin(), stats.on_segments.end(), between),
-                      stats.on_segments.end());
+            EXPECT_NE(std::find(stats.segments.vertices.begin(), stats.segments.vertices.end(), between),
+                      stats.segments.vertices.end());
             const auto surface = structure_surface(cubes.mesh, cubes.registry.table(), structure);
             for (const std::uint32_t end : {a, b}) {
                 EXPECT_TRUE(std::any_of(surface.begin(), surface.end(), [&](const Triangle& t) {
@@ -203,8 +202,7 @@ TEST(SplitShapes, cells_beside_a_nearly_flat_one_do_not_overlap) {
         const Region in = registry.intern({0});
         mesh.regions = {in, 0, in, 0, in, 0};
         mesh.regions.resize(mesh.cells.size(), 0);
-        RunContext context;
-        const auto made = split_unsound(mesh, {0, 1}, {}, registry, {}, context);
+        const auto made = resolve_nonmanifold(mesh, {0, 1}, {}, registry, {});
         ASSERT_TRUE(made.ok()) << angle;
         if (angle > 1e-9) {
             EXPECT_EQ(made.value().components_relabelled, 0u) << angle;
@@ -264,7 +262,7 @@ TEST(SplitShapes, relabelling_lessens_the_unsound_vertices_and_is_deterministic)
         Cubes one = make(), two = make();
         for (Cubes* cubes : {&one, &two}) {
             const VertexStars stars(cubes->mesh.cells, cubes->mesh.points.size());
-            std::vector<std::uint32_t> unsound;
+            std::vector<std::uint32_t> nonmanifold;
             const RelabelStats stats = relabel({cubes->mesh.points,
                                                 cubes->mesh.cells,
                                                 cubes->neighbors,
@@ -273,10 +271,10 @@ TEST(SplitShapes, relabelling_lessens_the_unsound_vertices_and_is_deterministic)
                                                 {},
                                                 cubes->mesh.regions,
                                                 cubes->registry},
-                                               {}, unsound);
-            EXPECT_LT(stats.unsound_after, stats.unsound_before);
-            EXPECT_EQ(unsound.size(), stats.unsound_after);
-            EXPECT_TRUE(std::is_sorted(unsound.begin(), unsound.end()));
+                                               {}, nonmanifold);
+            EXPECT_LT(stats.nonmanifold_after, stats.nonmanifold_before);
+            EXPECT_EQ(nonmanifold.size(), stats.nonmanifold_after);
+            EXPECT_TRUE(std::is_sorted(nonmanifold.begin(), nonmanifold.end()));
         }
         EXPECT_EQ(one.mesh.regions, two.mesh.regions);
         split(one);

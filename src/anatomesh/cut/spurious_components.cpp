@@ -145,7 +145,8 @@ struct Stars {
 bool are_sound(const TetMesh& mesh, const std::vector<std::uint32_t>& cells, StarAnalyzer& stars) {
     return std::all_of(cells.begin(), cells.end(), [&](std::uint32_t c) {
         const Cell& cell = mesh.cells[c];
-        return std::all_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return stars.defect(v) == 0; });
+        return std::all_of(cell.begin(), cell.end(),
+                           [&](std::uint32_t v) { return stars.singularity_count(v) == 0; });
     });
 }
 

@@ -21,8 +21,8 @@ struct SpuriousComponentStats {
 // and 64 cells, with no vertex of a contour (`given`, by vertex), none of whose facets are at the end of the
 // mesh: a cavity or a speck that is left of a place thinner than the cells. Where all its facets lie between
 // it and one other region it takes that. With `regions`, those of the mesh, one between several takes the one
-// with which it shares the largest area of those that leave its vertices sound, if any: what is left of a
-// wall between a chamber and the outside. Guarantees: a mesh whose vertices are all sound (star.h) stays so,
+// with which it shares the largest area of those that leave its vertices manifold, if any: what is left of a
+// wall between a chamber and the outside. Guarantees: a mesh whose vertices are all manifold (star.h) stays so,
 // since at every vertex of a spurious component in one region the spurious component was one component and
 // the region beyond the other, and elsewhere it is looked at; no contour vertex leaves its surface, nor a
 // segment that is a chain of its edges, since the ends of that are contour vertices of the same piece of

@@ -11,7 +11,7 @@
 
 #include "anatomesh/cull/culled_mesh_for_test.h"
 #include "anatomesh/cut/relabel.h"
-#include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/cut/resolve_nonmanifold.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
@@ -33,13 +33,12 @@ inline void make_sound(TetMesh& mesh, RegionRegistry& registry) {
     const std::vector<std::uint32_t> flat = cell_neighbors(mesh.cells, mesh.points.size());
     std::vector<CellNeighbors> neighbors(mesh.cells.size());
     for (std::size_t n = 0; n < flat.size(); ++n) neighbors[n / 4][n % 4] = flat[n];
-    std::vector<std::uint32_t> unsound;
+    std::vector<std::uint32_t> nonmanifold;
     {
         const VertexStars stars(mesh.cells, mesh.points.size());
-        relabel({mesh.points, mesh.cells, neighbors, stars, {}, {}, mesh.regions, registry}, {}, unsound);
+        relabel({mesh.points, mesh.cells, neighbors, stars, {}, {}, mesh.regions, registry}, {}, nonmanifold);
     }
-    RunContext context;
-    ASSERT_TRUE(split_unsound(mesh, unsound, {}, registry, {}, context).ok());
+    ASSERT_TRUE(resolve_nonmanifold(mesh, nonmanifold, {}, registry, {}).ok());
 }
 
 // The hull and every `every`-th vertex.

@@ -13,7 +13,7 @@
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/cut/relabel.h"
-#include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/cut/resolve_nonmanifold.h"
 #include "anatomesh/cut/spurious_components.h"
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/counted_field.h"
@@ -305,7 +305,7 @@ class Builder {
     }
 
     // `look`: empty, or the vertices that may have a defect.
-    RelabelStats relabel_cells(std::vector<std::uint32_t>& unsound,
+    RelabelStats relabel_cells(std::vector<std::uint32_t>& nonmanifold,
                                const std::vector<std::uint32_t>& look = {}) {
         subsegments_->regions_changed();
         const std::size_t vertex_count = mesh_->points().size();
@@ -325,19 +325,19 @@ class Builder {
         slices.planes = planes.planes;
         return relabel({mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, *stars, owners,
                         mesh_->memberships(), mesh_->regions(), mesh_->registry()},
-                       {spike_share * sample_->stats.size_mm, near_mm(), !sample_->has_pole}, unsound, look,
-                       context_.threads, slices);
+                       {spike_share * sample_->stats.size_mm, near_mm(), !sample_->has_pole}, nonmanifold,
+                       look, context_.threads, slices);
     }
 
     Status cut_cells() {
-        std::vector<std::uint32_t> unsound;
-        RelabelStats relabelled = relabel_cells(unsound);
+        std::vector<std::uint32_t> nonmanifold;
+        RelabelStats relabelled = relabel_cells(nonmanifold);
         // What was given up for a manifold's sake gets room beside it.
         CellSearch search;
         for (int round = 0; round < relabel_rounds && relabelled.lost_subsegments_after > 0; ++round) {
             mesh_->look_again(search);
             search.cells.clear();
-            std::vector<std::uint32_t> look = unsound;
+            std::vector<std::uint32_t> look = nonmanifold;
             ANATOMESH_TRY(const bool opened, subsegments_->open_sides(context_, &look));
             if (!opened) break;
             ANATOMESH_CHECK_STATUS(refinement_->refine_changed(search, context_));
@@ -346,7 +346,7 @@ class Builder {
                 look.insert(look.end(), mesh_->cells().cells[c].begin(), mesh_->cells().cells[c].end());
             }
             sort_distinct(look, mesh_->points().size());
-            relabelled.add(relabel_cells(unsound, look));
+            relabelled.add(relabel_cells(nonmanifold, look));
         }
         TetMesh& mesh = model_.mesh;
         parallel_tasks(context_.threads,
@@ -360,18 +360,19 @@ class Builder {
         RecoverStats recovered;
         // Some ms each.
         if (planes_.bear_all && ill_shaped_before_ < recovery_bounds.size())
-            recovered = recover_segments(unsound, relabelled);
+            recovered = recover_segments(nonmanifold, relabelled);
         const ContourOwners owners = contour_owners(subsegment_list_, mesh.points.size());
-        ANATOMESH_TRY(const SplitStats split,
-                      split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
-        segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
-        for (const auto& [a, b, structure] : split.subsegments)
+        ANATOMESH_TRY(const NonmanifoldStats split,
+                      resolve_nonmanifold(mesh, nonmanifold, owners, mesh_->registry(), {}));
+        segment_vertices_.insert(segment_vertices_.end(), split.segments.vertices.begin(),
+                                 split.segments.vertices.end());
+        for (const auto& [a, b, structure] : split.segments.subsegments)
             cut_subsegments_.push_back({a, b, structure, 0});
-        if (!unsound.empty()) find_neighbors(false);
+        if (!nonmanifold.empty()) find_neighbors(false);
         given_.resize(mesh.points.size(), 0);
         const SpuriousComponentStats spurious = drop_spurious_components(given_);
         model_.regions = mesh_->registry().table();
-        figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
+        figures_ = {{"unsound_vertices", static_cast<double>(relabelled.nonmanifold_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
                     {"cells_mended", static_cast<double>(relabelled.cells_mended)},
                     {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
@@ -380,7 +381,7 @@ class Builder {
                     {"missing_pieces", static_cast<double>(recovered.missing_before)},
                     {"missing_pieces_after", static_cast<double>(recovered.missing_after)},
                     {"recovered_by_vertices", static_cast<double>(recovered.vertices_added)},
-                    {"unsound_after_relabelling", static_cast<double>(relabelled.unsound_after)},
+                    {"unsound_after_relabelling", static_cast<double>(relabelled.nonmanifold_after)},
                     {"edges_split", static_cast<double>(split.edges_split)},
                     {"vertices_split", static_cast<double>(split.vertices_split)},
                     {"vertices_joined", static_cast<double>(split.vertices_joined)},
@@ -401,7 +402,7 @@ class Builder {
     }
 
     // What the Delaunay mesh does not have, by exchanging cells.
-    RecoverStats recover_segments(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled) {
+    RecoverStats recover_segments(std::vector<std::uint32_t>& nonmanifold, RelabelStats& relabelled) {
         std::vector<std::uint8_t> held(model_.mesh.points.size(), 0);
         const auto vertices = mesh_->first_vertices();
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
@@ -414,7 +415,7 @@ class Builder {
             {contours_, vertices_of_contours(), owner_pairs_, subsegment_list_, std::move(held)},
             {sample_->stats.size_mm, tolerance_at_vertices(), options_.max_radius_edge, bounds.most_more_bad,
              least_shape, may_cost_shape ? few_subsegments : 0, near_mm(), !sample_->has_pole});
-        recovered.run(unsound, relabelled, context_);
+        recovered.run(nonmanifold, relabelled, context_);
         subsegment_list_ = recovered.subsegments();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
                                  recovered.vertices().end());

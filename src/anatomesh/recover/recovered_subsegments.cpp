@@ -49,18 +49,18 @@ RecoveredSubsegments::RecoveredSubsegments(TetMesh& mesh, std::vector<std::uint3
       structures_(static_cast<std::uint32_t>(drawn_.contours.structures.size())),
       memberships_(delaunay.memberships()) {}
 
-void RecoveredSubsegments::run(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled,
+void RecoveredSubsegments::run(std::vector<std::uint32_t>& nonmanifold, RelabelStats& relabelled,
                                RunContext& context) {
     stats_.missing_before =
         missing_subsegments(mesh_.cells, mesh_.points.size(), drawn_.subsegments, context.threads).size();
     stats_.missing_after = stats_.missing_before;
     std::vector<std::uint32_t> look;
     if (stats_.missing_before > 0) recover(look, context);
-    if (!look.empty()) relabel_at(look, unsound, relabelled, context);
+    if (!look.empty()) relabel_at(look, nonmanifold, relabelled, context);
     for (int round = 0; round < side_rounds && relabelled.lost_subsegments_after > 0; ++round) {
         look.clear();
         if (!open_sides(look, context)) break;
-        relabel_at(look, unsound, relabelled, context);
+        relabel_at(look, nonmanifold, relabelled, context);
     }
 }
 
@@ -223,9 +223,10 @@ void RecoveredSubsegments::decide(const std::vector<std::uint32_t>& undecided,
         look.insert(look.end(), mesh_.cells[c].begin(), mesh_.cells[c].end());
 }
 
-void RecoveredSubsegments::relabel_at(std::vector<std::uint32_t>& look, std::vector<std::uint32_t>& unsound,
-                                      RelabelStats& relabelled, RunContext& context) {
-    look.insert(look.end(), unsound.begin(), unsound.end());
+void RecoveredSubsegments::relabel_at(std::vector<std::uint32_t>& look,
+                                      std::vector<std::uint32_t>& nonmanifold, RelabelStats& relabelled,
+                                      RunContext& context) {
+    look.insert(look.end(), nonmanifold.begin(), nonmanifold.end());
     std::sort(look.begin(), look.end());
     look.erase(std::unique(look.begin(), look.end()), look.end());
     std::vector<CellNeighbors> neighbors(mesh_.cells.size());
@@ -239,7 +240,7 @@ void RecoveredSubsegments::relabel_at(std::vector<std::uint32_t>& look, std::vec
     const ContourOwners owners(drawn_.owners, mesh_.points.size(), subsegments);
     relabelled.add(
         relabel({mesh_.points, mesh_.cells, neighbors, stars, owners, memberships_, mesh_.regions, registry_},
-                {spike_share * options_.size_mm, options_.near_mm, options_.losses_wait}, unsound, look,
+                {spike_share * options_.size_mm, options_.near_mm, options_.losses_wait}, nonmanifold, look,
                 context.threads, {planes.slice_of, planes.planes, &field_, structures_}));
 }
 

@@ -52,8 +52,8 @@ class RecoveredSubsegments {
     RecoveredSubsegments(TetMesh& mesh, std::vector<std::uint32_t>& neighbors, LabelledMesh& delaunay,
                          const StructureField& field, DrawnInMesh drawn, const RecoveryOptions& options);
 
-    // `unsound`, `relabelled`: of the relabelling before, then of the last one.
-    void run(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled, RunContext& context);
+    // `nonmanifold`, `relabelled`: of the relabelling before, then of the last one.
+    void run(std::vector<std::uint32_t>& nonmanifold, RelabelStats& relabelled, RunContext& context);
 
     const std::vector<Subsegment>& subsegments() const { return drawn_.subsegments; }
     // Where subsegments were split here.
@@ -81,7 +81,7 @@ class RecoveredSubsegments {
     bool open_sides(std::vector<std::uint32_t>& look, RunContext& context);
     void decide(const std::vector<std::uint32_t>& undecided, std::vector<std::uint32_t>& look,
                 RunContext& context);
-    void relabel_at(std::vector<std::uint32_t>& look, std::vector<std::uint32_t>& unsound,
+    void relabel_at(std::vector<std::uint32_t>& look, std::vector<std::uint32_t>& nonmanifold,
                     RelabelStats& relabelled, RunContext& context);
 
     TetMesh& mesh_;

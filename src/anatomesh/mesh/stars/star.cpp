@@ -174,7 +174,7 @@ int StarAnalyzer::count_components(std::uint32_t cut) {
     return components;
 }
 
-int StarAnalyzer::defect(std::uint32_t vertex) {
+int StarAnalyzer::singularity_count(std::uint32_t vertex) {
     load(vertex);
     int sum = 0;
     for (std::uint32_t cut = 0; cut < cuts_.size(); ++cut) sum += count_components(cut) - 2;
@@ -214,7 +214,7 @@ void StarAnalyzer::lost_subsegments(std::uint32_t vertex,
     }
 }
 
-void StarAnalyzer::excess_components(std::uint32_t vertex, std::vector<StarComponent>& components) {
+void StarAnalyzer::surplus_components(std::uint32_t vertex, std::vector<StarComponent>& components) {
     components.clear();
     load(vertex);
     for (std::uint32_t cut = 0; cut < cuts_.size(); ++cut) {

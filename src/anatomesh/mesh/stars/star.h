@@ -80,27 +80,27 @@ struct StarComponent {
 };
 
 // Looks at stars of a mesh whose regions change under it. Keeps scratch space: not thread-safe.
-// A vertex is *sound* when every body cuts its star into at most one component inside and one outside (then
+// A vertex is *manifold* when every body cuts its star into at most one component inside and one outside (then
 // the body's surface passes through it as one disc or not at all: no non-manifold edge or vertex there) and
 // every structure with a contour vertex there has it on its surface. Subsegments off the surface are
-// defects too, but do not make a vertex unsound.
+// counted apart and make no vertex non-manifold.
 class StarAnalyzer {
   public:
     StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
                  const VertexStars& stars, const std::vector<Region>& regions, const RegionTable& table,
                  const ContourOwners& owners);
 
-    // 0 for a sound vertex, else the number of components too many, plus `lost_weight` for each structure
+    // 0 for a manifold vertex, else the number of components too many, plus `lost_weight` for each structure
     // with a contour vertex here that is not on its surface.
-    int defect(std::uint32_t vertex);
+    int singularity_count(std::uint32_t vertex);
 
     // The subsegments at the vertex that are edges of the mesh but not of their structure's surface,
     // both ends counted: a sum over vertices counts each twice.
     int lost_subsegment_count(std::uint32_t vertex);
     void lost_subsegments(std::uint32_t vertex, std::vector<ContourOwners::Subsegment>& subsegments);
 
-    // Components of those sides that have more than one. Empty for a vertex without excess components.
-    void excess_components(std::uint32_t vertex, std::vector<StarComponent>& components);
+    // Components of those sides that have more than one. Empty for a vertex without surplus components.
+    void surplus_components(std::uint32_t vertex, std::vector<StarComponent>& components);
 
     // Structures with a contour vertex here that do not have it on their surface.
     void lost_structures(std::uint32_t vertex, std::vector<std::uint32_t>& structures);
