@@ -12,7 +12,7 @@
 #include "anatomesh/geom/box.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
-#include "anatomesh/measure/topology/tear_warnings.h"
+#include "anatomesh/measure/topology/topology_warnings.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/pipeline/model_warnings.h"
@@ -152,10 +152,10 @@ void look_for_tears(const ModelFile& model, const ContourSet& contours, const Mo
                                             static_cast<std::uint32_t>(structure_of[s]), context.threads);
     }
     const std::vector<std::uint32_t> vertex_of = contour_fidelity(mesh.points, surfaces, contours).vertex_of;
-    const ModelTears tears =
-        find_tears({mesh, neighbors, regions, report.structures, contours, structure_of, vertex_of, size_mm},
-                   context.threads);
-    warn_of_tears(tears, contours, size_mm, context);
+    const TopologyFindings tears = check_topology(
+        {mesh, neighbors, regions, report.structures, contours, structure_of, vertex_of, size_mm},
+        context.threads);
+    warn_of_topology(tears, contours, size_mm, context);
 }
 
 // Walls as the model's file says that they were shared, but where the user says else.

@@ -51,7 +51,8 @@ LabelDescent::LabelDescent(const RelabelledMesh& mesh, const RelabelOptions& opt
                            const SlicePlanes& slices)
     : mesh_(mesh), slices_(slices), singularities_(mesh), moves_(mesh), memberships_(mesh, options) {
     if (slices.any()) {
-        cuts_.emplace(mesh.points, mesh.cells, mesh.neighbors, mesh.regions, mesh.registry.table(), slices);
+        sections_.emplace(mesh.points, mesh.cells, mesh.neighbors, mesh.regions, mesh.registry.table(),
+                          slices);
     }
 }
 
@@ -100,10 +101,11 @@ bool LabelDescent::peel(std::uint32_t cell) {
 }
 
 bool LabelDescent::mend(std::uint32_t cell, std::vector<std::uint32_t>& touched) {
-    const std::vector<std::uint32_t>* drawn = cuts_ ? cuts_->wanted(cell) : nullptr;
+    const std::vector<std::uint32_t>* drawn = sections_ ? sections_->wanted(cell) : nullptr;
     if (!drawn) return false;
     LabelMove move{{cell}, mesh_.registry.intern(*drawn)};
-    if (cuts_->change(move.cells, move.region) >= 0 || singularities_.change_of(move, 1) > 0) return false;
+    if (sections_->change(move.cells, move.region) >= 0 || singularities_.change_of(move, 1) > 0)
+        return false;
     if (memberships_.misplaced(cell, move.region) > memberships_.misplaced(cell, mesh_.regions[cell]) ||
         memberships_.spikes(move) > 0)
         return false;
@@ -123,7 +125,7 @@ void LabelDescent::find_best(std::uint32_t vertex) {
     consider_candidates();
     if (may_bridge(vertex)) {
         for (const StarComponent& component : components_)
-            moves_.add_bridges(vertex, component, *cuts_, candidates_);
+            moves_.add_bridges(vertex, component, *sections_, candidates_);
         // Where a structure touches itself in a point the other ways lose a corner of a cross-section.
         consider_candidates(allowed_.losses && moves_.touches_in_point(vertex));
     }
@@ -204,8 +206,8 @@ void LabelDescent::make(const LabelMove& move, std::vector<std::uint32_t>& touch
 // is spoiled, where it is right.
 bool LabelDescent::may_bridge(std::uint32_t vertex) {
     if (!slices_.is_stack()) return false;
-    return moves_.touches_in_point(vertex) ||
-           (allowed_.spoiling && cuts_->in_slice(vertex) && !cuts_->protrudes(mesh_.stars.at(vertex)));
+    return moves_.touches_in_point(vertex) || (allowed_.spoiling && sections_->in_slice(vertex) &&
+                                               !sections_->protrudes(mesh_.stars.at(vertex)));
 }
 
 void LabelDescent::consider_candidates(bool may_bridge_deep) {
@@ -232,7 +234,7 @@ void LabelDescent::consider(LabelMove move, bool may_bridge_deep) {
         return;
     }
     if (move.spikes > 0 && !allowed_.spikes && !may_bridge_deep) return;
-    if (cuts_) move.spoiled = cuts_->change(move.cells, move.region);
+    if (sections_) move.spoiled = sections_->change(move.cells, move.region);
     const double least_spoiled = slices_.cross() ? least_spoiled_share : 0;
     if (move.spoiled > least_spoiled && !allowed_.spoiling) return;
     const auto key = [&](const LabelMove& m) {

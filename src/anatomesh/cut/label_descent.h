@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/cut/drawn_cuts.h"
+#include "anatomesh/cut/drawn_sections.h"
 #include "anatomesh/cut/label_moves.h"
 #include "anatomesh/cut/label_singularities.h"
 
@@ -80,7 +80,7 @@ class LabelDescent {
 
     const RelabelledMesh& mesh_;
     const SlicePlanes& slices_;
-    std::optional<DrawnCuts> cuts_;  // with slices
+    std::optional<DrawnSections> sections_;  // with slices
     AllowedMoves allowed_;
     LabelSingularities singularities_;
     LabelMoves moves_;

@@ -12,13 +12,13 @@ void LabelMoves::add_component(const StarComponent& component, std::vector<Label
     }
 }
 
-void LabelMoves::add_bridges(std::uint32_t vertex, const StarComponent& component, const DrawnCuts& cuts,
-                             std::vector<LabelMove>& moves) {
-    for (const bool above : {false, true}) add_bridge(vertex, component, cuts, above, moves);
+void LabelMoves::add_bridges(std::uint32_t vertex, const StarComponent& component,
+                             const DrawnSections& sections, std::vector<LabelMove>& moves) {
+    for (const bool above : {false, true}) add_bridge(vertex, component, sections, above, moves);
 }
 
-void LabelMoves::add_bridge(std::uint32_t vertex, const StarComponent& component, const DrawnCuts& cuts,
-                            bool above, std::vector<LabelMove>& moves) {
+void LabelMoves::add_bridge(std::uint32_t vertex, const StarComponent& component,
+                            const DrawnSections& sections, bool above, std::vector<LabelMove>& moves) {
     const auto star = mesh_.stars.at(vertex);
     const auto position = [&](std::uint32_t c) {
         return static_cast<std::size_t>(std::lower_bound(star.begin(), star.end(), c) - star.begin());
@@ -46,7 +46,7 @@ void LabelMoves::add_bridge(std::uint32_t vertex, const StarComponent& component
                 }
                 return;
             }
-            if (!cuts.lies_beside(n, vertex, above)) continue;
+            if (!sections.lies_beside(n, vertex, above)) continue;
             from_[position(n)] = c;
             queue_.push_back(n);
         }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "anatomesh/cut/drawn_cuts.h"
+#include "anatomesh/cut/drawn_sections.h"
 #include "anatomesh/cut/label_singularities.h"
 
 namespace anatomesh {
@@ -23,7 +23,7 @@ class LabelMoves {
     // Cells of the star join the component to the nearest other one of its side. Where a structure touches itself in a
     // point of a slice, this leaves the cross-section as it is drawn if they lie above the plane or below it; so both
     // are tried.
-    void add_bridges(std::uint32_t vertex, const StarComponent& component, const DrawnCuts& cuts,
+    void add_bridges(std::uint32_t vertex, const StarComponent& component, const DrawnSections& sections,
                      std::vector<LabelMove>& moves);
 
     // Each cell of the component by itself goes to a region beside it.
@@ -42,8 +42,8 @@ class LabelMoves {
     bool touches_in_point(std::uint32_t vertex) const;
 
   private:
-    void add_bridge(std::uint32_t vertex, const StarComponent& component, const DrawnCuts& cuts, bool above,
-                    std::vector<LabelMove>& moves);
+    void add_bridge(std::uint32_t vertex, const StarComponent& component, const DrawnSections& sections,
+                    bool above, std::vector<LabelMove>& moves);
     std::optional<Region> region_beside(const std::vector<std::uint32_t>& component, Body body,
                                         bool is_inside) const;
     bool inside(std::uint32_t cell, std::uint32_t structure) const {

@@ -13,11 +13,12 @@ namespace anatomesh {
 struct LabelMove {
     std::vector<std::uint32_t> cells;
     Region region = 0;
-    int change = 0;      // of the weighted sum of singularity counts; negative is better
-    int lost = 0;        // change of the number of ends of subsegments that are lost
-    int misplaced = 0;   // change of the number of vertices, cell by cell, that the field has on another side
-    int spikes = 0;      // change of the number of vertices deep in a region that have a cell of another one
-    double spoiled = 0;  // by how much more of the cross-sections is other than drawn: as DrawnCuts::change()
+    int change = 0;     // of the weighted sum of singularity counts; negative is better
+    int lost = 0;       // change of the number of ends of subsegments that are lost
+    int misplaced = 0;  // change of the number of vertices, cell by cell, that the field has on another side
+    int spikes = 0;     // change of the number of vertices deep in a region that have a cell of another one
+    double spoiled =
+        0;  // by how much more of the cross-sections is other than drawn: as DrawnSections::change()
 };
 
 // Counts are found when they are asked for and kept until a cell at the vertex changes: most are asked for again and

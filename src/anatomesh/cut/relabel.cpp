@@ -111,11 +111,11 @@ std::vector<std::uint32_t> wrong_cells(const RelabelledMesh& mesh, const SlicePl
     return parallel_collect<std::uint32_t>(
         look.empty() ? mesh.cells.size() : among.size(), 16384, threads,
         [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
-            DrawnCuts cuts(mesh.points, mesh.cells, mesh.neighbors, mesh.regions, mesh.registry.table(),
-                           slices);
+            DrawnSections sections(mesh.points, mesh.cells, mesh.neighbors, mesh.regions,
+                                   mesh.registry.table(), slices);
             for (std::size_t n = first; n < last; ++n) {
                 const std::uint32_t c = look.empty() ? static_cast<std::uint32_t>(n) : among[n];
-                if (on_interface(c) && cuts.wanted(c)) found.push_back(c);
+                if (on_interface(c) && sections.wanted(c)) found.push_back(c);
             }
         });
 }
@@ -163,8 +163,8 @@ void work_in_depth(LabelDescent& descent, bool one_structure, std::vector<std::u
 }
 
 // Relabels cells that are wrong where a plane cuts them to what is drawn there, pass by pass until none changes.
-void mend_cuts(LabelDescent& descent, const std::vector<std::uint32_t>& wrong,
-               std::vector<std::uint32_t>& queue, RelabelStats& stats) {
+void mend_sections(LabelDescent& descent, const std::vector<std::uint32_t>& wrong,
+                   std::vector<std::uint32_t>& queue, RelabelStats& stats) {
     std::vector<std::uint32_t> touched = std::move(queue);
     for (int pass = 0; pass < most_mends; ++pass) {
         const std::uint64_t before = stats.cells_mended;
@@ -221,7 +221,7 @@ RelabelStats relabel(const RelabelledMesh& mesh, const RelabelOptions& options,
     std::vector<std::uint32_t> flat;
     parallel_tasks(threads, {work, [&] { flat = nearly_flat_cells(mesh.points, mesh.cells, threads); }});
     for (const std::uint32_t c : flat) stats.flat_cells_peeled += descent.peel(c);
-    if (slices.any()) mend_cuts(descent, wrong_cells(mesh, slices, look, threads), queue, stats);
+    if (slices.any()) mend_sections(descent, wrong_cells(mesh, slices, look, threads), queue, stats);
     count_after(descent, queue, nonmanifold, stats);
     return stats;
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/cut/drawn_cuts.h"
+#include "anatomesh/cut/drawn_sections.h"
 #include "anatomesh/mesh/model/region_registry.h"
 #include "anatomesh/mesh/model/vertex_membership.h"
 #include "anatomesh/mesh/stars/star.h"
@@ -70,7 +70,7 @@ struct RelabelledMesh {
 //
 // Some moves wait until no others are left: those by which subsegments are lost, with losses_wait; those that bring a
 // deep vertex onto a surface, with several structures; those that make cross-sections less like what is drawn, with
-// `slices` (drawn_cuts.h; where planes cross, by more than a ten-thousandth of it).
+// `slices` (drawn_sections.h; where planes cross, by more than a ten-thousandth of it).
 //
 // In a stack two components of a side are joined, besides, by cells of the star that lie all above the slice's plane,
 // or all below it: where what is drawn touches itself in a point, only that leads to a manifold with the drawn section.

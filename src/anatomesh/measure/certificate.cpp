@@ -16,7 +16,7 @@
 #include "anatomesh/measure/number_text.h"
 #include "anatomesh/measure/quality_report.h"
 #include "anatomesh/measure/shells.h"
-#include "anatomesh/measure/slice_cuts.h"
+#include "anatomesh/measure/slice_sections.h"
 #include "anatomesh/measure/volume.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/check/validity.h"
@@ -122,31 +122,33 @@ std::vector<std::uint32_t> structures_of_field(const CertificateInput& input) {
     return of_field;
 }
 
-// Where a structure is not drawn, cuts are listed that are more than the tolerance of what it has on a slice.
+// Where a structure is not drawn, cross-sections are listed that are more than the tolerance of what it has on a slice.
 // `segments_missed`: by contour of `kept`.
-void list_cuts(const ContourSet& contours, const std::vector<SliceCut>& cuts, const ContourSet& kept,
-               const std::vector<std::uint32_t>& segments_missed, ModelReport& report) {
+void list_sections(const ContourSet& contours, const std::vector<SliceSection>& sections,
+                   const ContourSet& kept, const std::vector<std::uint32_t>& segments_missed,
+                   ModelReport& report) {
     std::vector<double> drawn(contours.structures.size(), 0), slices(drawn);
-    for (const SliceCut& cut : cuts) {
-        drawn[cut.structure] += cut.drawn;
-        slices[cut.structure] += cut.drawn > 0;
+    for (const SliceSection& section : sections) {
+        drawn[section.structure] += section.drawn;
+        slices[section.structure] += section.drawn > 0;
     }
-    report.cuts.clear();
-    report.cuts_not_drawn = 0;
-    for (const SliceCut& cut : cuts) {
-        const bool is_drawn = cut.drawn > 0;
-        report.cuts_not_drawn += !is_drawn;
-        const double mean = slices[cut.structure] > 0 ? drawn[cut.structure] / slices[cut.structure] : 0;
-        if (!is_drawn && cut.difference <= contract::section_tolerance * mean) continue;
-        const Structure& structure = contours.structures[cut.structure];
-        const Slice& slice = contours.slices[cut.slice];
-        SliceCutReport entry{structure.name.empty() ? std::to_string(structure.number) : structure.name,
-                             slice.name.empty() ? std::to_string(cut.slice) : slice.name, cut.drawn,
-                             cut.difference, 0};
+    report.sections.clear();
+    report.sections_not_drawn = 0;
+    for (const SliceSection& section : sections) {
+        const bool is_drawn = section.drawn > 0;
+        report.sections_not_drawn += !is_drawn;
+        const double mean =
+            slices[section.structure] > 0 ? drawn[section.structure] / slices[section.structure] : 0;
+        if (!is_drawn && section.difference <= contract::section_tolerance * mean) continue;
+        const Structure& structure = contours.structures[section.structure];
+        const Slice& slice = contours.slices[section.slice];
+        SliceSectionReport entry{structure.name.empty() ? std::to_string(structure.number) : structure.name,
+                                 slice.name.empty() ? std::to_string(section.slice) : slice.name,
+                                 section.drawn, section.difference, 0};
         for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
-            if (kept.contours[c].structure == cut.structure) entry.segments_missed += segments_missed[c];
+            if (kept.contours[c].structure == section.structure) entry.segments_missed += segments_missed[c];
         }
-        report.cuts.push_back(std::move(entry));
+        report.sections.push_back(std::move(entry));
     }
 }
 
@@ -199,8 +201,8 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
     findings.vertex_of = input.on_surface
                              ? contour_fidelity(input.mesh.points, of_contours, contours).vertex_of
                              : std::move(fidelity.vertex_of);
-    list_cuts(contours, slice_cuts(input.mesh.points, of_contours, contours, findings.vertex_of), kept,
-              fidelity.segments_missed, report);
+    list_sections(contours, slice_sections(input.mesh.points, of_contours, contours, findings.vertex_of),
+                  kept, fidelity.segments_missed, report);
     return findings;
 }
 
@@ -309,17 +311,17 @@ Clause clause_vertices(const CertificateInput& input, const StructureFidelity& a
     return clause;
 }
 
-std::string place_text(const SliceCutReport& cut) {
-    return cut.structure + ", slice " + cut.slice;
+std::string place_text(const SliceSectionReport& section) {
+    return section.structure + ", slice " + section.slice;
 }
 
-// The first few of the cuts that `wanted` picks, those with the largest `value` first.
+// The first few of the cross-sections that `wanted` picks, those with the largest `value` first.
 template <class Wanted, class Value, class Text>
 std::string worst_places(const ModelReport& report, const Wanted& wanted, const Value& value,
                          const Text& text) {
-    std::vector<const SliceCutReport*> worst;
-    for (const SliceCutReport& cut : report.cuts) {
-        if (wanted(cut)) worst.push_back(&cut);
+    std::vector<const SliceSectionReport*> worst;
+    for (const SliceSectionReport& section : report.sections) {
+        if (wanted(section)) worst.push_back(&section);
     }
     std::stable_sort(worst.begin(), worst.end(),
                      [&](const auto* a, const auto* b) { return value(*a) > value(*b); });
@@ -329,25 +331,27 @@ std::string worst_places(const ModelReport& report, const Wanted& wanted, const 
     return places;
 }
 
-// The cuts of the model beside the drawn regions: the sum, the worst slices, and how many are not as drawn.
+// The cross-sections of the model beside the drawn regions: the sum, the worst slices, and how many are not as drawn.
 std::string cuts_text(const ModelReport& report, std::size_t& above) {
-    const auto is_drawn = [](const SliceCutReport& cut) { return cut.drawn_mm2 > 0; };
-    const auto share = [](const SliceCutReport& cut) { return cut.difference_mm2 / cut.drawn_mm2; };
-    const auto too_far = [&](const SliceCutReport& cut) {
-        return is_drawn(cut) && cut.difference_mm2 > contract::section_tolerance * cut.drawn_mm2;
+    const auto is_drawn = [](const SliceSectionReport& section) { return section.drawn_mm2 > 0; };
+    const auto share = [](const SliceSectionReport& section) {
+        return section.difference_mm2 / section.drawn_mm2;
+    };
+    const auto too_far = [&](const SliceSectionReport& section) {
+        return is_drawn(section) && section.difference_mm2 > contract::section_tolerance * section.drawn_mm2;
     };
     double drawn = 0, difference = 0, worst = 0;
     std::size_t total = 0, far = 0, strange = 0;
-    for (const SliceCutReport& cut : report.cuts) {
-        far += too_far(cut);
-        if (!is_drawn(cut)) {
+    for (const SliceSectionReport& section : report.sections) {
+        far += too_far(section);
+        if (!is_drawn(section)) {
             ++strange;
             continue;
         }
         ++total;
-        drawn += cut.drawn_mm2;
-        difference += cut.difference_mm2;
-        worst = std::max(worst, share(cut));
+        drawn += section.drawn_mm2;
+        difference += section.difference_mm2;
+        worst = std::max(worst, share(section));
     }
     above = far + strange;
     std::string text =
@@ -360,19 +364,21 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
     if (far > 0) {
         text += " (" +
                 worst_places(report, too_far, share,
-                             [&](const SliceCutReport& cut) {
-                                 return percent_text(share(cut), 1, 3) + ", " +
-                                        fixed_text(cut.difference_mm2, 2) + " mm2";
+                             [&](const SliceSectionReport& section) {
+                                 return percent_text(share(section), 1, 3) + ", " +
+                                        fixed_text(section.difference_mm2, 2) + " mm2";
                              }) +
                 ")";
     }
-    text += "; where it is not drawn: cut in " + count_of(strange, report.cuts_not_drawn) + " slices";
+    text += "; where it is not drawn: cut in " + count_of(strange, report.sections_not_drawn) + " slices";
     if (strange > 0) {
         text += " (" +
                 worst_places(
-                    report, [&](const SliceCutReport& cut) { return !is_drawn(cut); },
-                    [](const SliceCutReport& cut) { return cut.difference_mm2; },
-                    [](const SliceCutReport& cut) { return fixed_text(cut.difference_mm2, 2) + " mm2"; }) +
+                    report, [&](const SliceSectionReport& section) { return !is_drawn(section); },
+                    [](const SliceSectionReport& section) { return section.difference_mm2; },
+                    [](const SliceSectionReport& section) {
+                        return fixed_text(section.difference_mm2, 2) + " mm2";
+                    }) +
                 ")";
     }
     return text;
@@ -398,10 +404,10 @@ std::string segments_text(const ContourFindings& findings, const ModelReport& re
         percent_text(static_cast<double>(all.segments_on_surface), static_cast<double>(all.segments), 2) +
         ") are chains of surface edges" + routed_text(report);
     if (all.segments_on_surface == all.segments) return text;
-    const auto missed = [](const SliceCutReport& cut) { return cut.segments_missed; };
+    const auto missed = [](const SliceSectionReport& section) { return section.segments_missed; };
     text += " (missed most in " +
             worst_places(report, missed, missed,
-                         [&](const SliceCutReport& cut) { return std::to_string(missed(cut)); }) +
+                         [&](const SliceSectionReport& section) { return std::to_string(missed(section)); }) +
             ")";
     if (findings.contradicted > 0)
         text += ", " + std::to_string(findings.contradicted) +
@@ -409,28 +415,31 @@ std::string segments_text(const ContourFindings& findings, const ModelReport& re
     return text;
 }
 
-// The structure whose cuts by all slices together are farthest from what is drawn, where that is gross.
+// The structure whose cross-sections by all slices together are farthest from what is drawn, where that is gross.
 std::string gross_cuts_text(const ModelReport& report) {
     std::map<std::string, std::array<double, 2>> areas;  // of a structure: drawn, amiss
-    for (const SliceCutReport& cut : report.cuts) {
-        areas[cut.structure][0] += cut.drawn_mm2;
-        areas[cut.structure][1] += cut.difference_mm2;
+    for (const SliceSectionReport& section : report.sections) {
+        areas[section.structure][0] += section.drawn_mm2;
+        areas[section.structure][1] += section.difference_mm2;
     }
     std::string text;
     double worst = contract::gross_section_share;
     for (const auto& [name, area] : areas) {
         if (area[1] <= worst * area[0]) continue;
         if (area[0] > 0) worst = area[1] / area[0];
-        const auto of_it = [&, n = &name](const SliceCutReport& cut) { return cut.structure == *n; };
-        text =
-            "of all slices together " + percent_text(area[1], area[0], 1) + " of the drawn area of " + name +
-            " are amiss, more than " + percent_text(contract::gross_section_share, 1, 0) + " (most on " +
-            worst_places(
-                report, of_it, [](const SliceCutReport& cut) { return cut.difference_mm2; },
-                [](const SliceCutReport& cut) {
-                    return fixed_text(cut.difference_mm2, 2) + " of " + fixed_text(cut.drawn_mm2, 2) + " mm2";
-                }) +
-            "); ";
+        const auto of_it = [&, n = &name](const SliceSectionReport& section) {
+            return section.structure == *n;
+        };
+        text = "of all slices together " + percent_text(area[1], area[0], 1) + " of the drawn area of " +
+               name + " are amiss, more than " + percent_text(contract::gross_section_share, 1, 0) +
+               " (most on " +
+               worst_places(
+                   report, of_it, [](const SliceSectionReport& section) { return section.difference_mm2; },
+                   [](const SliceSectionReport& section) {
+                       return fixed_text(section.difference_mm2, 2) + " of " +
+                              fixed_text(section.drawn_mm2, 2) + " mm2";
+                   }) +
+               "); ";
     }
     return text;
 }

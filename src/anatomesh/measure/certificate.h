@@ -12,7 +12,7 @@
 // A clause that cannot be checked because its input is not there (contours, field) is `not_promised_yet` and
 // its evidence says "not checked". So are clauses 2 and 4 where they were measured and are not met, within
 // what is tolerated: their evidence begins with "measured, not met", says by how much, and names the worst
-// places. Clause 2 is broken where what the slices cut of a structure is grossly not what is drawn.
+// places. Clause 2 is broken where what the slices' planes cut out of a structure is grossly not what is drawn.
 #pragma once
 
 #include <span>
@@ -37,7 +37,7 @@ struct CertificateInput {
     Vec3 field_origin{};
     std::string_view field_note{};  // how the field came about, or why there is none: for clause 6
     // The contours as some of them are re-routed in their slices; null: none does. Vertices and segments are
-    // looked for as they are here, cuts and what forces cells go by what is drawn.
+    // looked for as they are here, cross-sections and what forces cells go by what is drawn.
     const ContourSet* on_surface = nullptr;
 };
 
@@ -48,7 +48,7 @@ std::size_t matching_structure(std::span<const Structure> contours, std::size_t 
 
 // Fills, and only these: vertices, tetrahedra, surface_triangles, structures, regions, quality, certificate,
 // listed_cells, listed_cells_total, listed_cells_forced; with contours also slices, contours,
-// contour_vertices, cuts, cuts_not_drawn and, of parallel slices, slice_spacing_mm; with a field
+// contour_vertices, sections, sections_not_drawn and, of parallel slices, slice_spacing_mm; with a field
 // field_distance and field_difference. Of what is there already it reads routed_contours. Structures are
 // matched by matching_structure(); the vertices of a structure that the model lacks are not on its surface.
 // Requires: mesh.regions.size() == mesh.cells.size(), every region in the table, members below

@@ -8,7 +8,7 @@
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/measure/number_text.h"
-#include "anatomesh/mesh/check/surface_graph.h"
+#include "anatomesh/mesh/model/surface_graph.h"
 
 namespace anatomesh {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/mesh/check/box_tree.h"
+#include "anatomesh/mesh/model/box_tree.h"
 #include "anatomesh/mesh/model/surface_mesh.h"
 
 namespace anatomesh {

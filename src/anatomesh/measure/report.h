@@ -83,11 +83,11 @@ struct StructureReport {
     std::uint64_t contour_segments_contradicted = 0;  // of the others, those of contradicted_segments.h
 };
 
-// The cut of the model by a slice's plane beside what is drawn there, for one structure.
-struct SliceCutReport {
+// The cross-section of the model by a slice's plane beside what is drawn there, for one structure.
+struct SliceSectionReport {
     std::string structure, slice;
     double drawn_mm2 = 0,               // area of the drawn region; 0: not drawn on this slice
-        difference_mm2 = 0;             // of its symmetric difference with the cut
+        difference_mm2 = 0;             // of its symmetric difference with the cross-section
     std::uint32_t segments_missed = 0;  // of its contours: no chains of surface edges
 };
 
@@ -210,8 +210,8 @@ struct ModelReport {
     std::vector<ContourReport> contour_log;
     // Where contours are at hand: those of slices on which a structure is drawn, and those where it is not but
     // the model has it.
-    std::vector<SliceCutReport> cuts;
-    std::uint64_t cuts_not_drawn = 0;  // measured on slices where a structure is not drawn
+    std::vector<SliceSectionReport> sections;
+    std::uint64_t sections_not_drawn = 0;  // measured on slices where a structure is not drawn
     std::vector<RoutedContourReport> routed_contours;
     FieldDistanceReport field_distance;
     FieldDifferenceReport field_difference;

@@ -304,7 +304,7 @@ TEST(BuildModel, the_caps_of_a_fan_are_planes) {
             EXPECT_NEAR(area / (pi * 144), 1, 0.05) << end;
             EXPECT_LT(beyond, 0.01) << end;
         }
-        for (const SliceCutReport& cut : model.report.cuts)
+        for (const SliceSectionReport& cut : model.report.sections)
             EXPECT_LE(cut.difference_mm2, (degrees < 2 ? 1e-3 : 0.02) * cut.drawn_mm2) << cut.slice;
     }
 }
@@ -349,8 +349,8 @@ TEST(BuildModel, flat_ends_of_narrow_strips_are_what_is_drawn) {
             options.caps = EndCaps::flat;
             auto made = build_model(kept(drawing.raw), options, context);
             ASSERT_TRUE(made.ok()) << to_line(made.error());
-            ASSERT_EQ(made.value().report.cuts.size(), 6u);
-            for (const SliceCutReport& cut : made.value().report.cuts)
+            ASSERT_EQ(made.value().report.sections.size(), 6u);
+            for (const SliceSectionReport& cut : made.value().report.sections)
                 EXPECT_LE(cut.difference_mm2, 1e-3 * cut.drawn_mm2) << cut.slice;
         }
     }
@@ -577,7 +577,7 @@ TEST(BuildModel, RS11_contours_a_little_off_their_plane_are_not_taken_for_missed
     RunContext context;
     const auto model = build_model(set, {}, context);
     ASSERT_TRUE(model.ok());
-    for (const SliceCutReport& cut : model.value().report.cuts) {
+    for (const SliceSectionReport& cut : model.value().report.sections) {
         EXPECT_LT(cut.difference_mm2, 0.001 * cut.drawn_mm2) << cut.slice;
     }
     for (const Warning& warning : context.warnings) EXPECT_NE(warning.code, "W-PIP-003") << warning.message;

@@ -25,10 +25,10 @@
 #include "anatomesh/improve/smooth/balance_volumes.h"
 #include "anatomesh/improve/smooth/improve.h"
 #include "anatomesh/improve/smooth/smooth_vertices.h"
-#include "anatomesh/improve/surgery/spurious_handles.h"
+#include "anatomesh/mesh/check/spurious_handles.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
-#include "anatomesh/measure/topology/tear_warnings.h"
+#include "anatomesh/measure/topology/topology_warnings.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/drop_outside.h"
 #include "anatomesh/mesh/edit/facets.h"
@@ -171,7 +171,7 @@ class Builder {
     // or one that goes on simply from end to end.
     bool tore_a_structure() const {
         const std::vector<double> thickness = mean_thickness(contours_);
-        return std::any_of(tears_.of_slices.begin(), tears_.of_slices.end(), [&](const SurfaceTear& tear) {
+        return std::any_of(tears_.of_slices.begin(), tears_.of_slices.end(), [&](const TopologyMismatch& tear) {
             return tear.by_mesh && (tear.whole || thickness[tear.structure] < hardly_thicker * size_mm());
         });
     }
@@ -281,7 +281,7 @@ class Builder {
         report().radius_edge_mean_before_refinement = stats.radius_edge_mean_before;
         figures_ = {{"crossing_points", static_cast<double>(stats.crossing_points)},
                     {"deviation_points", static_cast<double>(stats.deviation_points)},
-                    {"cut_points", static_cast<double>(stats.cut_points)},
+                    {"cut_points", static_cast<double>(stats.section_points)},
                     {"circumcenters", static_cast<double>(stats.circumcenters)},
                     {"surface_points", static_cast<double>(stats.surface_points)},
                     {"side_points", static_cast<double>(subsegments_->side_points())},
@@ -707,10 +707,10 @@ class Builder {
         std::vector<std::size_t> same(structures_);
         std::iota(same.begin(), same.end(), std::size_t{0});
         const double size_mm = sample_->stats.size_mm;
-        tears_ = find_tears({model_.mesh, neighbors_, model_.regions, report().structures, model_.contours,
+        tears_ = check_topology({model_.mesh, neighbors_, model_.regions, report().structures, model_.contours,
                              same, model_.contour_vertices, size_mm},
                             context_.threads);
-        warn_of_tears(tears_, model_.contours, size_mm, context_);
+        warn_of_topology(tears_, model_.contours, size_mm, context_);
     }
 
     ModelReport& report() { return model_.report; }
@@ -792,7 +792,7 @@ class Builder {
     SliceWeights slices_;
     std::vector<ContradictedPlace> contradicted_;  // where planes_.meet_cuts
     Model model_;
-    ModelTears tears_;
+    TopologyFindings tears_;
     std::vector<std::pair<std::string, double>> figures_;  // of the stage under way
     Clock::time_point stage_start_ = Clock::now();
 };

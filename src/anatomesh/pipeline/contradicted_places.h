@@ -6,7 +6,7 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/refine/cut_points.h"
+#include "anatomesh/refine/section_points.h"
 
 namespace anatomesh {
 

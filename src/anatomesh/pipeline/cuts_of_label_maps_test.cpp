@@ -60,7 +60,7 @@ void add_cuts(const LabelMap& map, double size_mm, Cuts& cuts) {
     options.size_mm = size_mm;
     const auto model = build_model(traced.value().kept, options, context);
     ASSERT_TRUE(model.ok()) << to_line(model.error());
-    for (const SliceCutReport& cut : model.value().report.cuts) {
+    for (const SliceSectionReport& cut : model.value().report.sections) {
         ++cuts.count;
         cuts.off += cut.difference_mm2 > 1e-3 * cut.drawn_mm2;
         cuts.wrong += cut.difference_mm2;

@@ -32,9 +32,9 @@ std::string at_text(const std::array<double, 3>& at) {
 
 // The contours hold, and yet the model may leave them between their vertices and segments.
 void warn_of_cuts(const ModelReport& report, const std::string& file, RunContext& context) {
-    const SliceCutReport* worst = nullptr;
+    const SliceSectionReport* worst = nullptr;
     std::size_t count = 0;
-    for (const SliceCutReport& cut : report.cuts) {
+    for (const SliceSectionReport& cut : report.sections) {
         if (!(cut.difference_mm2 > widest_cut * cut.drawn_mm2)) continue;
         ++count;
         const bool worse =

@@ -405,7 +405,7 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
     expect_near_drawn(model.value(), kept, 0.6 * model.value().report.size_mm, off_plane_mm);
     segments.all += own.all;
     segments.broken += own.broken;
-    for (const SliceCutReport& cut : model.value().report.cuts) {
+    for (const SliceSectionReport& cut : model.value().report.sections) {
         segments.cuts += cut.drawn_mm2 > 0;
         segments.cuts_off += cut.drawn_mm2 > 0 && cut.difference_mm2 > most_of_a_cut * cut.drawn_mm2;
     }

@@ -28,7 +28,7 @@ constexpr int changed_rounds = 4;                        // of what changes late
 constexpr double crowded_crossing_spacing =
     0.05;  // of points where edges cross an interface from others, in edges
 constexpr int dense_deviation_rounds = 2;
-constexpr int cut_rounds = 6, cut_times = 3;  // so many rounds, in turns with subsegments and shapes
+constexpr int section_rounds = 6, section_times = 3;  // so many rounds, in turns with subsegments and shapes
 // Of sections from where slices contradict each other, in sizes: fins and handles would come of vertices
 // there.
 constexpr double contradicted_clearance = 0.25;
@@ -85,9 +85,9 @@ Status RefinementRounds::run(RunContext& context) {
         crossing.min_spacing = crowded_crossing_spacing;
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, context));
     }
-    // Subsegments and shapes may spoil cuts again.
-    for (int time = 0; time < cut_times; ++time) {
-        ANATOMESH_TRY(const bool met, meet_cuts(crossing, context));
+    // Subsegments and shapes may spoil cross-sections again.
+    for (int time = 0; time < section_times; ++time) {
+        ANATOMESH_TRY(const bool met, meet_sections(crossing, context));
         if (time > 0 && !met) break;
         ANATOMESH_CHECK_STATUS(subsegments_.finish(context));
         ANATOMESH_CHECK_STATUS(mend_shapes(shapes_, true, context));
@@ -128,22 +128,23 @@ Status RefinementRounds::meet_deviations(RunContext& context) {
     return Nothing{};
 }
 
-// Vertices beside the planes of slices where cuts are wrong, and where edges to these cross an interface.
-Result<bool> RefinementRounds::meet_cuts(const CrossingOptions& options, RunContext& context) {
+// Vertices beside the planes of slices where cross-sections are wrong, and where edges to these cross an interface.
+Result<bool> RefinementRounds::meet_sections(const CrossingOptions& options, RunContext& context) {
     if (options_.slices.planes.empty()) return false;
-    const std::uint64_t before = stats_.cut_points;
-    CutPointOptions cut;
-    cut.clearance_mm = contradicted_clearance * options_.size_mm;
-    for (int round = 0; round < cut_rounds; ++round) {
+    const std::uint64_t before = stats_.section_points;
+    SectionPointOptions section;
+    section.clearance_mm = contradicted_clearance * options_.size_mm;
+    for (int round = 0; round < section_rounds; ++round) {
         std::vector<Vec3> found;
-        mesh_.look_again(cuts_);
-        find_cut_points(mesh_.view(), options_.slices, occupied(), cut, cuts_.cells, found, context);
+        mesh_.look_again(sections_);
+        find_section_points(mesh_.view(), options_.slices, occupied(), section, sections_.cells, found,
+                            context);
         if (found.empty()) break;
-        stats_.cut_points += found.size();
+        stats_.section_points += found.size();
         ANATOMESH_CHECK_STATUS(subsegments_.grow(found, {}, context));
         ANATOMESH_CHECK_STATUS(meet_crossings(options, context));
     }
-    return stats_.cut_points > before;
+    return stats_.section_points > before;
 }
 
 Status RefinementRounds::improve_shapes(RunContext& context) {

@@ -8,9 +8,9 @@
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/refine/contour_subsegments.h"
-#include "anatomesh/refine/cut_points.h"
 #include "anatomesh/refine/labelled_mesh.h"
 #include "anatomesh/refine/refine.h"
+#include "anatomesh/refine/section_points.h"
 #include "anatomesh/sample/protected_segments.h"
 
 namespace anatomesh {
@@ -28,13 +28,13 @@ struct RefinementOptions {
     // Where the mean ratio of the cells inside, each at most the bound, is above this after the rounds for
     // their shape, further ones go on with lower bounds. What follows takes a twentieth off. [0.9, 2]
     double target_mean_ratio = 1;
-    CutSlices slices;  // whose planes cross; or none
+    CrossedSlices slices;  // whose planes cross; or none
 };
 
 struct RefinementStats {
-    // Points inserted: where edges cross an interface, at facets off it, where cuts are wrong, for the shape of
+    // Points inserted: where edges cross an interface, at facets off it, where cross-sections are wrong, for the shape of
     // cells (those that were moved onto an interface by themselves).
-    std::uint64_t crossing_points = 0, deviation_points = 0, cut_points = 0, circumcenters = 0,
+    std::uint64_t crossing_points = 0, deviation_points = 0, section_points = 0, circumcenters = 0,
                   surface_points = 0;
     double radius_edge_mean_before = 0;  // of the cells inside, before the rounds for their shape
 };
@@ -51,7 +51,7 @@ class RefinementRounds {
 
     // First the surface: points where edges cross an interface, then where facets deviate from it. Then the
     // shape of cells, with bounds below the given one where their mean is above 1, and, up to three times, the
-    // cuts by planes that cross, the subsegments that are still no edges (ContourSubsegments::finish()), and
+    // cross-sections by planes that cross, the subsegments that are still no edges (ContourSubsegments::finish()), and
     // the shapes that these spoiled. Every loop ends after a bounded
     // number of rounds, the longer ones when next to nothing is left.
     Status run(RunContext& context);
@@ -65,8 +65,8 @@ class RefinementRounds {
   private:
     Status meet_crossings(const CrossingOptions& options, RunContext& context);
     Status meet_deviations(RunContext& context);
-    // Whether there were cuts to meet.
-    Result<bool> meet_cuts(const CrossingOptions& options, RunContext& context);
+    // Whether there were cross-sections to meet.
+    Result<bool> meet_sections(const CrossingOptions& options, RunContext& context);
     Status improve_shapes(RunContext& context);
     Status mend_shapes(CellSearch& search, bool finishing, RunContext& context);
     Status even_shapes(RunContext& context);
@@ -81,7 +81,7 @@ class RefinementRounds {
     const ProtectedSegments& protected_segments_;
     const std::span<const std::uint8_t> given_;
     const RefinementOptions options_;
-    CellSearch crossings_, cuts_, shapes_;
+    CellSearch crossings_, sections_, shapes_;
     RefinementStats stats_;
 };
 

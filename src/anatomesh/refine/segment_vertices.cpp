@@ -6,7 +6,7 @@
 
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/improve/core/drawn_slices.h"
-#include "anatomesh/measure/slice_cuts.h"
+#include "anatomesh/measure/slice_sections.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/slices/coverage/slice_coverage.h"

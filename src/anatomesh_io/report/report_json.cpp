@@ -157,7 +157,7 @@ Json contour_log_json(const ModelReport& report) {
 
 Json cuts_json(const ModelReport& report) {
     Json cuts = Json::array();
-    for (const SliceCutReport& cut : report.cuts) {
+    for (const SliceSectionReport& cut : report.sections) {
         cuts.push_back({{"structure", cut.structure},
                         {"slice", cut.slice},
                         {"drawn_mm2", number(cut.drawn_mm2)},

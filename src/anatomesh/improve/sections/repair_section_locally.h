@@ -22,7 +22,7 @@ struct LocalRepairStats {
 // Where the contours are edges of the surface, a facet of it that passes through a slice's plane, or lies in
 // it beside the drawn region, or one within a region that lies in it between contours, is all that can make
 // the model's cut another one than what is drawn. At each such facet the first of these is
-// done that makes what is wrong in the cuts of the cells concerned (slice_cuts.h) half as much or
+// done that makes what is wrong in the cuts of the cells concerned (slice_sections.h) half as much or
 // less: a free vertex is moved off the plane or across it; a cell is relabelled to the region across the
 // facet; the edge of the surface across the plane is flipped; a free vertex goes along such an edge onto its
 // other end, which may move for the shape of the cells there; the two cells at a facet in the plane are

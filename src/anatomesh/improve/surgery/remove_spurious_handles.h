@@ -7,7 +7,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/improve/core/edit_context.h"
 #include "anatomesh/improve/core/quality_gate.h"
-#include "anatomesh/improve/surgery/spurious_handles.h"
+#include "anatomesh/mesh/check/spurious_handles.h"
 
 namespace anatomesh {
 

@@ -43,7 +43,7 @@ struct WrongCuts {
 
 WrongCuts wrong_cuts(const ModelReport& report) {
     WrongCuts wrong;
-    for (const SliceCutReport& cut : report.cuts) {
+    for (const SliceSectionReport& cut : report.sections) {
         if (!(cut.difference_mm2 > contract::section_tolerance * cut.drawn_mm2)) continue;
         ++wrong.count;
         if (cut.drawn_mm2 > 0) wrong.worst = std::max(wrong.worst, cut.difference_mm2 / cut.drawn_mm2);

@@ -29,7 +29,7 @@ Case middling() {
     structure.shells.without_contour = 1;
     structure.shells.parts_too_many = 1;
     report.structures = {structure};
-    report.cuts = {{"one", "k = 1", 100, 0.5, 0}, {"one", "k = 2", 100, 0.05, 0}};
+    report.sections = {{"one", "k = 1", 100, 0.5, 0}, {"one", "k = 2", 100, 0.05, 0}};
     report.field_distance.max_mm = 0.6;
     report.field_distance.joined_mm = 0.6;
     report.field_difference.max_mm = 0.6;
@@ -62,8 +62,8 @@ TEST(CompareReports, OneWorseFigureIsEnough) {
         {"segments", [](Case& m) { m.report.structures[0].contour_segments_on_surface = 89; }},
         {"shells", [](Case& m) { m.report.structures[0].shells.without_contour = 2; }},
         {"parts", [](Case& m) { m.report.structures[0].shells.parts_too_many = 2; }},
-        {"cuts", [](Case& m) { m.report.cuts[1].difference_mm2 = 0.2; }},
-        {"worst cut", [](Case& m) { m.report.cuts[0].difference_mm2 = 0.6; }},
+        {"cuts", [](Case& m) { m.report.sections[1].difference_mm2 = 0.2; }},
+        {"worst cut", [](Case& m) { m.report.sections[0].difference_mm2 = 0.6; }},
         {"distance", [](Case& m) { m.report.field_distance.max_mm = 0.7; }},
         {"unknown distance", [](Case& m) { m.report.field_distance.at_least = true; }},
         {"joint", [](Case& m) { m.report.field_distance.joined_mm = 0.7; }},

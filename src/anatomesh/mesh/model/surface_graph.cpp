@@ -1,4 +1,4 @@
-#include "anatomesh/mesh/check/surface_graph.h"
+#include "anatomesh/mesh/model/surface_graph.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/spurious_handles.h"
+#include "anatomesh/mesh/check/spurious_handles.h"
 
 #include <algorithm>
 

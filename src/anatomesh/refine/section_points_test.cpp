@@ -1,5 +1,5 @@
-// Laws of the vertices that cuts by planes of slices lack.
-#include "anatomesh/refine/cut_points.h"
+// Laws of the vertices that cross-sections by planes of slices lack.
+#include "anatomesh/refine/section_points.h"
 
 #include <cmath>
 #include <random>
@@ -35,7 +35,7 @@ struct Slots {
 
     std::vector<ContradictedPlace> contradicted;
 
-    CutSlices slices() const { return {{planes, extents, 1e-9}, weights, contradicted}; }
+    CrossedSlices slices() const { return {{planes, extents, 1e-9}, weights, contradicted}; }
 };
 
 // Random points in the ball and beside it, and the corners of a large box.
@@ -51,7 +51,7 @@ CulledMesh mesh_beside_slots(const Slots& slots, std::uint32_t seed) {
     return culled_mesh_of(std::move(points), slots.field, size);
 }
 
-// Of a slot's plane, the share of a cut in which cells are in the ball.
+// Of a slot's plane, the share of a cross-section in which cells are in the ball.
 double wrong_share(const CulledMesh& mesh, const Slots& slots) {
     double sum = 0;
     for (std::size_t c = 0; c < mesh.regions.size(); ++c) {
@@ -65,24 +65,24 @@ double wrong_share(const CulledMesh& mesh, const Slots& slots) {
     return sum;
 }
 
-std::vector<Vec3> cut_points(const CulledMesh& mesh, const Slots& slots, const CutPointOptions& options = {},
-                             CutPointStats* stats = nullptr,
-                             const ProtectedSegments& protected_segments = ProtectedSegments(size, 0),
-                             int threads = 1) {
+std::vector<Vec3> section_points(const CulledMesh& mesh, const Slots& slots,
+                                 const SectionPointOptions& options = {}, SectionPointStats* stats = nullptr,
+                                 const ProtectedSegments& protected_segments = ProtectedSegments(size, 0),
+                                 int threads = 1) {
     RunContext context;
     context.threads = threads;
     std::vector<Vec3> found;
     std::vector<std::uint32_t> look = mesh.all_cells();
-    const CutPointStats seen =
-        find_cut_points(mesh.view(slots.field), slots.slices(), {mesh.grid, protected_segments}, options,
-                        look, found, context);
+    const SectionPointStats seen =
+        find_section_points(mesh.view(slots.field), slots.slices(), {mesh.grid, protected_segments}, options,
+                            look, found, context);
     EXPECT_LE(look.size(), seen.wrong);
     EXPECT_TRUE(std::is_sorted(look.begin(), look.end()));
     if (stats) *stats = seen;
     return found;
 }
 
-TEST(CutPoints, rounds_open_slots_that_are_narrower_than_edges) {
+TEST(SectionPoints, rounds_open_slots_that_are_narrower_than_edges) {
     for (const double angle : {1.5, 0.5}) {
         for (const double width : {0.4, 0.1}) {
             const Slots slots(angle, width);
@@ -90,10 +90,11 @@ TEST(CutPoints, rounds_open_slots_that_are_narrower_than_edges) {
             const double before = wrong_share(mesh, slots);
             EXPECT_GT(before, 0.2) << width;
             int round = 0;
-            for (std::vector<Vec3> found = cut_points(mesh, slots); !found.empty() && round < 12; ++round) {
+            for (std::vector<Vec3> found = section_points(mesh, slots); !found.empty() && round < 12;
+                 ++round) {
                 mesh.delaunay.insert(found);
                 mesh.update(slots.field, 1, {0.02});
-                found = cut_points(mesh, slots);
+                found = section_points(mesh, slots);
             }
             EXPECT_LT(round, 12);
             EXPECT_LT(wrong_share(mesh, slots), 0.02 * before) << "angle " << angle << ", width " << width;
@@ -101,16 +102,16 @@ TEST(CutPoints, rounds_open_slots_that_are_narrower_than_edges) {
     }
 }
 
-TEST(CutPoints, they_lie_beside_the_planes_apart_from_each_other_and_from_vertices) {
+TEST(SectionPoints, they_lie_beside_the_planes_apart_from_each_other_and_from_vertices) {
     const Slots slots(0.7, 0.3);
     const CulledMesh mesh = mesh_beside_slots(slots, 5);
     double closest_before = 0;
     std::size_t found_before = mesh.cells.cells.size();
     for (const double spacing : {0.1, 0.3, 1.0}) {
-        CutPointOptions options;
+        SectionPointOptions options;
         options.min_spacing = spacing;
-        CutPointStats stats;
-        const std::vector<Vec3> found = cut_points(mesh, slots, options, &stats);
+        SectionPointStats stats;
+        const std::vector<Vec3> found = section_points(mesh, slots, options, &stats);
         EXPECT_GT(found.size(), 10u);
         EXPECT_LE(found.size() + stats.refused, stats.wrong);
         for (const Vec3& p : found) {
@@ -130,36 +131,36 @@ TEST(CutPoints, they_lie_beside_the_planes_apart_from_each_other_and_from_vertic
     }
 }
 
-TEST(CutPoints, a_cut_of_which_little_is_wrong_stays) {
+TEST(SectionPoints, a_cut_of_which_little_is_wrong_stays) {
     const Slots slots(0.7, 0.3);
     const CulledMesh mesh = mesh_beside_slots(slots, 5);
-    CutPointOptions options;
-    options.least_of_cut = 1;
-    CutPointStats stats;
-    EXPECT_TRUE(cut_points(mesh, slots, options, &stats).empty());
+    SectionPointOptions options;
+    options.least_of_cross_section = 1;
+    SectionPointStats stats;
+    EXPECT_TRUE(section_points(mesh, slots, options, &stats).empty());
     EXPECT_EQ(stats.wrong, 0u);
     Slots silent(0.7, 0.3);
     silent.weights.assign(2, 0);
-    EXPECT_TRUE(cut_points(mesh, silent).empty()) << "the slices do not say where the structure is";
+    EXPECT_TRUE(section_points(mesh, silent).empty()) << "the slices do not say where the structure is";
 }
 
-TEST(CutPoints, they_keep_out_of_the_balls_of_contour_segments) {
+TEST(SectionPoints, they_keep_out_of_the_balls_of_contour_segments) {
     const Slots slots(0.7, 0.3);
     const CulledMesh mesh = mesh_beside_slots(slots, 5);
     ProtectedSegments protected_segments(size, 0);
     protected_segments.add_segment({0, 0, -3}, {0, 0, 3});
-    CutPointStats free, kept_out;
-    cut_points(mesh, slots, {}, &free);
-    const std::vector<Vec3> found = cut_points(mesh, slots, {}, &kept_out, protected_segments);
+    SectionPointStats free, kept_out;
+    section_points(mesh, slots, {}, &free);
+    const std::vector<Vec3> found = section_points(mesh, slots, {}, &kept_out, protected_segments);
     EXPECT_GT(kept_out.refused, free.refused);
     EXPECT_EQ(kept_out.wrong, free.wrong);
     for (const Vec3& p : found) EXPECT_GE(length(p), 3);
 }
 
-TEST(CutPoints, they_keep_away_from_where_slices_contradict_each_other) {
+TEST(SectionPoints, they_keep_away_from_where_slices_contradict_each_other) {
     Slots slots(0.7, 0.3);
     const CulledMesh mesh = mesh_beside_slots(slots, 5);
-    CutPointOptions options;
+    SectionPointOptions options;
     options.clearance_mm = 1.5;
     const Vec3 low{0, 0, -2}, high{0, 0, 2};
     const auto near_place = [&](const std::vector<Vec3>& found) {
@@ -167,23 +168,23 @@ TEST(CutPoints, they_keep_away_from_where_slices_contradict_each_other) {
             return length(p - Vec3{0, 0, std::clamp(p.z, -2.0, 2.0)}) < options.clearance_mm - beside;
         });
     };
-    const std::vector<Vec3> all = cut_points(mesh, slots, options);
+    const std::vector<Vec3> all = section_points(mesh, slots, options);
     EXPECT_GT(near_place(all), 3);
     slots.contradicted = {{1, low, high}};
-    EXPECT_EQ(cut_points(mesh, slots, options), all) << "it is of another structure";
+    EXPECT_EQ(section_points(mesh, slots, options), all) << "it is of another structure";
     slots.contradicted = {{0, low, high}};
-    const std::vector<Vec3> found = cut_points(mesh, slots, options);
+    const std::vector<Vec3> found = section_points(mesh, slots, options);
     EXPECT_EQ(near_place(found), 0);
     EXPECT_GT(found.size(), 10u);
 }
 
-TEST(CutPoints, same_points_for_any_number_of_threads) {
+TEST(SectionPoints, same_points_for_any_number_of_threads) {
     const Slots slots(1.0, 0.2);
     const CulledMesh mesh = mesh_beside_slots(slots, 7);
-    const std::vector<Vec3> one = cut_points(mesh, slots);
+    const std::vector<Vec3> one = section_points(mesh, slots);
     EXPECT_GT(one.size(), 10u);
     for (const int threads : {2, 4})
-        EXPECT_EQ(cut_points(mesh, slots, {}, nullptr, ProtectedSegments(size, 0), threads), one);
+        EXPECT_EQ(section_points(mesh, slots, {}, nullptr, ProtectedSegments(size, 0), threads), one);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "anatomesh/measure/topology/tear_warnings.h"
+#include "anatomesh/measure/topology/topology_warnings.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/improve/core/drawn_slices.h"
 #include "anatomesh/improve/operations/segment_edges.h"
-#include "anatomesh/improve/surgery/spurious_handles.h"
+#include "anatomesh/mesh/check/spurious_handles.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/sample/sample_points.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
@@ -39,7 +39,7 @@ std::vector<std::uint8_t> shown_in_several(const ContourSet& contours) {
 struct ContourEdges {
     std::vector<VertexPair> found, missed;
 };
-ContourEdges edges_of_contours(const TornModel& model) {
+ContourEdges edges_of_contours(const TopologyInput& model) {
     std::vector<VertexPair> segments;
     for (const Contour& contour : model.contours.contours) {
         // Over vertices that are lost.
@@ -65,14 +65,14 @@ struct Told {
     std::string where, hint;
 };
 
-Told told_of(std::span<const SurfaceTear> tears, const ContourSet& contours) {
-    const auto amiss = [](const SurfaceTear& t) { return std::abs(t.euler - t.expected); };
+Told told_of(std::span<const TopologyMismatch> tears, const ContourSet& contours) {
+    const auto amiss = [](const TopologyMismatch& t) { return std::abs(t.euler - t.expected); };
     Told told;
-    for (const SurfaceTear& tear : tears) told.count += (amiss(tear) + 1) / 2;
+    for (const TopologyMismatch& tear : tears) told.count += (amiss(tear) + 1) / 2;
     if (tears.empty()) return told;
-    const SurfaceTear& worst =
+    const TopologyMismatch& worst =
         *std::max_element(tears.begin(), tears.end(),
-                          [&](const SurfaceTear& x, const SurfaceTear& y) { return amiss(x) < amiss(y); });
+                          [&](const TopologyMismatch& x, const TopologyMismatch& y) { return amiss(x) < amiss(y); });
     told.slice = worst.low_slice;
     told.where = worst.low_slice == worst.high_slice
                      ? "most at the end beyond this slice"
@@ -126,7 +126,7 @@ std::uint32_t nearest_slice(const ContourSet& contours, std::uint32_t structure,
     return slice;
 }
 
-std::vector<SpuriousJoint> small_ones(const TornModel& model,
+std::vector<SpuriousJoint> small_ones(const TopologyInput& model,
                                       std::span<const std::vector<Triangle>> surfaces) {
     std::vector<SpuriousJoint> joints;
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
@@ -143,7 +143,7 @@ std::vector<SpuriousJoint> small_ones(const TornModel& model,
 
 }  // namespace
 
-ModelTears find_tears(const TornModel& model, int threads) {
+TopologyFindings check_topology(const TopologyInput& model, int threads) {
     const ContourSet& contours = model.contours;
     std::vector<std::vector<Triangle>> surfaces(contours.structures.size());
     // Where walls do not tear only what goes on from end to end is sure to be amiss.
@@ -159,10 +159,10 @@ ModelTears find_tears(const TornModel& model, int threads) {
         surfaces[s] = structure_surface(model.mesh, model.neighbors, model.regions,
                                         static_cast<std::uint32_t>(model.structure_of[s]), threads);
     }
-    ModelTears tears;
-    tears.of_slices = surface_tears(model.mesh.points, surfaces, contours, model.vertex_of, thick, threads);
+    TopologyFindings tears;
+    tears.of_slices = topology_check(model.mesh.points, surfaces, contours, model.vertex_of, thick, threads);
     // Where parts branch or vanish the field itself may join them, near the ends of the run.
-    std::erase_if(tears.of_slices, [](const SurfaceTear& t) { return !t.whole && t.euler > t.expected; });
+    std::erase_if(tears.of_slices, [](const TopologyMismatch& t) { return !t.whole && t.euler > t.expected; });
     const bool asked =
         std::any_of(surfaces.begin(), surfaces.end(), [](const auto& surface) { return !surface.empty(); });
     if (asked && !is_parallel(contours) && !Sweep::of(contours)) {
@@ -174,7 +174,7 @@ ModelTears find_tears(const TornModel& model, int threads) {
     return tears;
 }
 
-std::size_t spurious_places(const ModelTears& tears) {
+std::size_t spurious_places(const TopologyFindings& tears) {
     std::map<std::uint32_t, std::array<std::size_t, 2>> by_structure;
     for (const SpuriousJoint& joint : tears.between_planes) by_structure[joint.structure][0] += joint.joints;
     for (const SpuriousJoint& joint : tears.small) by_structure[joint.structure][1] += joint.joints;
@@ -183,7 +183,7 @@ std::size_t spurious_places(const ModelTears& tears) {
     return count;
 }
 
-void warn_of_tears(const ModelTears& tears, const ContourSet& contours, double size_mm, RunContext& context) {
+void warn_of_topology(const TopologyFindings& tears, const ContourSet& contours, double size_mm, RunContext& context) {
     for (std::uint32_t s = 0; s < contours.structures.size(); ++s) {
         // What sees more of them.
         Told told = told_of(of_structure(tears.of_slices, s), contours);

@@ -1,4 +1,4 @@
-#include "anatomesh/refine/cut_points.h"
+#include "anatomesh/refine/section_points.h"
 
 #include <algorithm>
 #include <array>
@@ -14,10 +14,10 @@ namespace {
 
 struct WrongSection {
     std::uint32_t cell;
-    std::size_t cut;  // structure * slices + slice
-    double share;     // of what is drawn
-    double area;      // mm^2
-    Vec3 place;       // of a vertex for it
+    std::size_t cross_section;  // structure * slices + slice
+    double share;               // of what is drawn
+    double area;                // mm^2
+    Vec3 place;                 // of a vertex for it
 };
 
 // Of a section's middle towards the middle of the cell, in roots of the section's area: in the plane itself a
@@ -37,7 +37,7 @@ double squared_distance(Vec3 p, const ContradictedPlace& place) {
     return squared_length(p - (place.from + share * way));
 }
 
-bool is_contradicted(const CutSlices& slices, std::uint32_t structure, Vec3 p, double clearance) {
+bool is_contradicted(const CrossedSlices& slices, std::uint32_t structure, Vec3 p, double clearance) {
     return std::any_of(
         slices.contradicted.begin(), slices.contradicted.end(), [&](const ContradictedPlace& place) {
             return place.structure == structure && squared_distance(p, place) < clearance * clearance;
@@ -45,8 +45,8 @@ bool is_contradicted(const CutSlices& slices, std::uint32_t structure, Vec3 p, d
 }
 
 // In the order of `look`, and of planes and structures.
-std::vector<WrongSection> wrong_sections(const LabelledMeshView& mesh, const CutSlices& slices,
-                                         const CutPointOptions& options,
+std::vector<WrongSection> wrong_sections(const LabelledMeshView& mesh, const CrossedSlices& slices,
+                                         const SectionPointOptions& options,
                                          const std::vector<std::uint32_t>& look, int threads) {
     const std::vector<Vec3>& points = mesh.points;
     constexpr std::size_t grain = 4096;
@@ -57,15 +57,15 @@ std::vector<WrongSection> wrong_sections(const LabelledMeshView& mesh, const Cut
             const auto add_wrong = [&](std::uint32_t c, std::uint32_t k, const PlaneSection& section) {
                 const std::vector<std::uint32_t>* drawn = nullptr;
                 for (std::uint32_t s = 0; s < mesh.structures; ++s) {
-                    const std::size_t cut = s * slices.planes.planes.size() + k;
-                    const double share = section.area * slices.weights[cut];
+                    const std::size_t cross_section = s * slices.planes.planes.size() + k;
+                    const double share = section.area * slices.weights[cross_section];
                     if (!(share > options.least_of_section)) continue;
                     if (!drawn) drawn = &probe.members(section.middle);
                     if (std::binary_search(drawn->begin(), drawn->end(), s) !=
                             mesh.table.contains(mesh.regions[c], s) &&
                         !is_contradicted(slices, s, section.middle, options.clearance_mm))
                         found.push_back(
-                            {c, cut, share, section.area,
+                            {c, cross_section, share, section.area,
                              beside_plane(slices.planes.planes[k], section, points, mesh.cells[c])});
                 }
             };
@@ -80,23 +80,26 @@ std::vector<WrongSection> wrong_sections(const LabelledMeshView& mesh, const Cut
         });
 }
 
-// Out of cuts that stay as they are.
-void drop_small_cuts(std::vector<WrongSection>& sections, std::size_t cuts, double least_of_cut) {
-    std::vector<double> sums(cuts, 0);
-    for (const WrongSection& section : sections) sums[section.cut] += section.share;
-    std::erase_if(sections, [&](const WrongSection& section) { return sums[section.cut] < least_of_cut; });
+// Drops sections in cross-sections that stay as they are.
+void drop_small_cross_sections(std::vector<WrongSection>& sections, std::size_t cross_sections,
+                               double least_of_cross_section) {
+    std::vector<double> sums(cross_sections, 0);
+    for (const WrongSection& section : sections) sums[section.cross_section] += section.share;
+    std::erase_if(sections, [&](const WrongSection& section) {
+        return sums[section.cross_section] < least_of_cross_section;
+    });
 }
 
 }  // namespace
 
-CutPointStats find_cut_points(const LabelledMeshView& mesh, const CutSlices& slices,
-                              const OccupiedSpace& occupied, const CutPointOptions& options,
-                              std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
-                              RunContext& context) {
+SectionPointStats find_section_points(const LabelledMeshView& mesh, const CrossedSlices& slices,
+                                      const OccupiedSpace& occupied, const SectionPointOptions& options,
+                                      std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
+                                      RunContext& context) {
     assert(slices.weights.size() == mesh.structures * slices.planes.planes.size());
     std::vector<WrongSection> sections = wrong_sections(mesh, slices, options, look, context.threads);
-    drop_small_cuts(sections, slices.weights.size(), options.least_of_cut);
-    CutPointStats stats;
+    drop_small_cross_sections(sections, slices.weights.size(), options.least_of_cross_section);
+    SectionPointStats stats;
     stats.wrong = sections.size();
     look.clear();
     double total = 0;

@@ -1,4 +1,4 @@
-#include "anatomesh/measure/slice_cuts.h"
+#include "anatomesh/measure/slice_sections.h"
 
 #include <gtest/gtest.h>
 
@@ -107,35 +107,35 @@ struct Prism {
         contours.points = points;
         for (std::uint32_t v = 0; v < 3 * n; ++v) vertex_of.push_back(v);
     }
-    std::vector<SliceCut> cuts() const {
-        return slice_cuts(points, std::vector<std::vector<Triangle>>{surface}, contours, vertex_of);
+    std::vector<SliceSection> sections() const {
+        return slice_sections(points, std::vector<std::vector<Triangle>>{surface}, contours, vertex_of);
     }
 };
 
-TEST(SliceCuts, a_solid_that_is_drawn_differs_nowhere_even_at_its_flat_ends) {
+TEST(SliceSections, a_solid_that_is_drawn_differs_nowhere_even_at_its_flat_ends) {
     const std::vector<Vec2> star = {{0, 0}, {9, 1}, {3, 3}, {8, 9}, {1, 4}};
     for (const Vec3 normal : {Vec3{0, 0, 1}, Vec3{0.3, -0.2, 0.9}, Vec3{1, 1, 1}}) {
         const Prism prism(star, make_plane({100, -50, 7}, normal));
-        const std::vector<SliceCut> cuts = prism.cuts();
-        ASSERT_EQ(cuts.size(), 3u);
-        for (const SliceCut& cut : cuts) {
-            EXPECT_NEAR(cut.drawn, 25, 1e-9);
-            EXPECT_NEAR(cut.difference, 0, 1e-9);
+        const std::vector<SliceSection> sections = prism.sections();
+        ASSERT_EQ(sections.size(), 3u);
+        for (const SliceSection& section : sections) {
+            EXPECT_NEAR(section.drawn, 25, 1e-9);
+            EXPECT_NEAR(section.difference, 0, 1e-9);
         }
     }
 }
 
-TEST(SliceCuts, a_vertex_drawn_elsewhere_shows_as_the_area_that_it_sweeps) {
+TEST(SliceSections, a_vertex_drawn_elsewhere_shows_as_the_area_that_it_sweeps) {
     const std::vector<Vec2> square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
     Prism prism(square, make_plane({}, {0, 0, 1}));
     prism.contours.points[6] =
         prism.contours.points[6] + Vec3{1, 1, 0};  // the corner (4, 4) of the middle slice
     prism.vertex_of[6] = no_cell;
-    const std::vector<SliceCut> cuts = prism.cuts();
-    EXPECT_NEAR(cuts[0].difference, 0, 1e-12);
-    EXPECT_NEAR(cuts[1].drawn, 20, 1e-12);
-    EXPECT_NEAR(cuts[1].difference, 4, 1e-12);
-    EXPECT_NEAR(cuts[2].difference, 0, 1e-12);
+    const std::vector<SliceSection> sections = prism.sections();
+    EXPECT_NEAR(sections[0].difference, 0, 1e-12);
+    EXPECT_NEAR(sections[1].drawn, 20, 1e-12);
+    EXPECT_NEAR(sections[1].difference, 4, 1e-12);
+    EXPECT_NEAR(sections[2].difference, 0, 1e-12);
 }
 
 // To the surface alone: of 3 mm2, through the first two slices.
@@ -147,19 +147,19 @@ void add_triangle_beside(Prism& drawn) {
         drawn.surface.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
 }
 
-TEST(SliceCuts, a_part_that_nobody_drew_counts) {
+TEST(SliceSections, a_part_that_nobody_drew_counts) {
     const std::vector<Vec2> square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
     Prism drawn(square, make_plane({}, {0, 0, 1}));
     add_triangle_beside(drawn);
-    const std::vector<SliceCut> cuts = drawn.cuts();
-    EXPECT_NEAR(cuts[0].difference, 3, 1e-12);
-    EXPECT_NEAR(cuts[1].difference, 3, 1e-12);
-    EXPECT_NEAR(cuts[2].difference, 0, 1e-12);
+    const std::vector<SliceSection> sections = drawn.sections();
+    EXPECT_NEAR(sections[0].difference, 3, 1e-12);
+    EXPECT_NEAR(sections[1].difference, 3, 1e-12);
+    EXPECT_NEAR(sections[2].difference, 0, 1e-12);
 }
 
 // The triangle beside the square is drawn on the first of three slices alone and goes on to the second; a
 // slice across the square makes the planes cross, so that each is compared as far as it tells.
-TEST(SliceCuts, a_part_beside_the_box_of_a_slice_counts_where_its_neighbours_draw_it) {
+TEST(SliceSections, a_part_beside_the_box_of_a_slice_counts_where_its_neighbours_draw_it) {
     const std::vector<Vec2> square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
     Prism drawn(square, make_plane({}, {0, 0, 1}));
     add_triangle_beside(drawn);
@@ -183,12 +183,13 @@ TEST(SliceCuts, a_part_beside_the_box_of_a_slice_counts_where_its_neighbours_dra
     set.slices[0].contour_count = 2;
     set.slices[1].first_contour = 2;
     set.slices[2].first_contour = 3;
-    const std::vector<SliceCut> cuts = drawn.cuts();
-    ASSERT_EQ(cuts.size(), 4u);
-    EXPECT_NEAR(cuts[0].difference, 0, 1e-12);
-    EXPECT_NEAR(cuts[1].difference, 3, 1e-12) << "what the first slice draws there the second one does not";
-    EXPECT_NEAR(cuts[2].difference, 0, 1e-12);
-    EXPECT_NEAR(cuts[3].difference, 0, 1e-12);
+    const std::vector<SliceSection> sections = drawn.sections();
+    ASSERT_EQ(sections.size(), 4u);
+    EXPECT_NEAR(sections[0].difference, 0, 1e-12);
+    EXPECT_NEAR(sections[1].difference, 3, 1e-12)
+        << "what the first slice draws there the second one does not";
+    EXPECT_NEAR(sections[2].difference, 0, 1e-12);
+    EXPECT_NEAR(sections[3].difference, 0, 1e-12);
 }
 
 }  // namespace

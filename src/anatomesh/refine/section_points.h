@@ -1,4 +1,4 @@
-// find_cut_points: vertices that the mesh lacks for its cuts by the planes of slices to be what is drawn.
+// find_section_points: vertices that the mesh lacks for its cross-sections by the planes of slices to be what is drawn.
 #pragma once
 
 #include <cstdint>
@@ -19,23 +19,24 @@ struct ContradictedPlace {
 };
 
 // The slices whose planes cross.
-struct CutSlices {
+struct CrossedSlices {
     CrossingPlanes planes;  // by slice; a plane ends where its contours do
     // At structure * slices + slice: 1 / area drawn, or 0 where the slice does not say where the structure
     // is; 1 / mm^2.
     std::span<const double> weights;
-    std::span<const ContradictedPlace> contradicted;  // where no surface has all cuts
+    std::span<const ContradictedPlace> contradicted;  // where no surface meets all slices
 };
 
-struct CutPointOptions {
-    double least_of_cut = 2e-4;  // a cut of which less is wrong, as a share of what is drawn, stays. [0, 1]
+struct SectionPointOptions {
+    double least_of_cross_section =
+        2e-4;  // a cross-section of which less is wrong, as a share of what is drawn, stays. [0, 1]
     double least_of_section = 2e-5;  // as that, of one cell's section. [0, 1]
     double clearance_mm = 0;         // of sections from where slices contradict each other. >= 0
     double min_spacing = 0.3;        // of a point from others, in roots of its section's area. > 0
 };
 
-struct CutPointStats {
-    std::uint64_t wrong = 0;    // sections, in cuts that do not stay
+struct SectionPointStats {
+    std::uint64_t wrong = 0;    // of cells, in cross-sections that do not stay
     std::uint64_t refused = 0;  // of these: a vertex is too near, or it is in the ball of a contour segment
 };
 
@@ -46,11 +47,11 @@ struct CutPointStats {
 // that is on one side of the surface, so that its cells are what is drawn. Points of larger sections come
 // first; those of one round keep twice their spacing from each other, and out of the diametral balls of
 // contour segments. `look`: as in refine.h. Complexity: O(look x planes). Same result at any thread count.
-// Follows: the criterion of the cut (docs/stages/11-certificate.md, clause 2), met as Boissonnat and Oudot,
+// Follows: the criterion of cross-sections (docs/stages/11-certificate.md, clause 2), met as Boissonnat and Oudot,
 // Graph. Models 67, 2005, meet theirs.
-CutPointStats find_cut_points(const LabelledMeshView& mesh, const CutSlices& slices,
-                              const OccupiedSpace& occupied, const CutPointOptions& options,
-                              std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
-                              RunContext& context);
+SectionPointStats find_section_points(const LabelledMeshView& mesh, const CrossedSlices& slices,
+                                      const OccupiedSpace& occupied, const SectionPointOptions& options,
+                                      std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
+                                      RunContext& context);
 
 }  // namespace anatomesh

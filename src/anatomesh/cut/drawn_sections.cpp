@@ -1,4 +1,4 @@
-#include "anatomesh/cut/drawn_cuts.h"
+#include "anatomesh/cut/drawn_sections.h"
 
 #include <algorithm>
 #include <iterator>
@@ -17,9 +17,9 @@ double sum_in_one(std::span<const std::uint32_t> a, std::span<const std::uint32_
 
 }  // namespace
 
-DrawnCuts::DrawnCuts(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-                     const std::vector<CellNeighbors>& neighbors, const std::vector<Region>& regions,
-                     const RegionTable& table, const SlicePlanes& slices)
+DrawnSections::DrawnSections(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                             const std::vector<CellNeighbors>& neighbors, const std::vector<Region>& regions,
+                             const RegionTable& table, const SlicePlanes& slices)
     : points_(points),
       cells_(cells),
       neighbors_(neighbors),
@@ -28,12 +28,12 @@ DrawnCuts::DrawnCuts(const std::vector<Vec3>& points, const std::vector<Cell>& c
       slices_(slices),
       probe_(*slices.field, slices.structures) {}
 
-void DrawnCuts::find_parts(std::uint32_t c) {
+void DrawnSections::find_parts(std::uint32_t c) {
     parts_.clear();
     slices_.cross() ? look_up_parts(c) : find_parts_of_stack(c);
 }
 
-void DrawnCuts::find_parts_of_stack(std::uint32_t c) {
+void DrawnSections::find_parts_of_stack(std::uint32_t c) {
     const Cell& cell = cells_[c];
     for (std::size_t i = 0; i < 4; ++i) {
         const std::uint32_t slice = slice_of(cell[i]);
@@ -57,13 +57,13 @@ void DrawnCuts::find_parts_of_stack(std::uint32_t c) {
 }
 
 // The cell on the other side of a facet in a plane.
-std::uint32_t DrawnCuts::beyond(std::uint32_t cell, const PlaneSection& section) const {
+std::uint32_t DrawnSections::beyond(std::uint32_t cell, const PlaneSection& section) const {
     return section.facet == PlaneSection::no_facet
                ? no_cell
                : neighbors_[cell][static_cast<std::size_t>(section.facet)];
 }
 
-void DrawnCuts::look_up_parts(std::uint32_t c) {
+void DrawnSections::look_up_parts(std::uint32_t c) {
     const auto [place, is_new] = known_.try_emplace(c);
     Range& known = place->second;
     if (!is_new) {
@@ -84,14 +84,14 @@ void DrawnCuts::look_up_parts(std::uint32_t c) {
     known_parts_.insert(known_parts_.end(), parts_.begin(), parts_.end());
 }
 
-std::span<const std::uint32_t> DrawnCuts::drawn_at(const Part& part) {
+std::span<const std::uint32_t> DrawnSections::drawn_at(const Part& part) {
     if (slices_.cross()) return {known_drawn_.data() + part.first_drawn, part.drawn_count};
     return probe_.members(part.middle);
 }
 
 // How much structures count that are drawn there and in neither region, or in one of these and not drawn.
-double DrawnCuts::wrong_share(Region one, Region other, std::span<const std::uint32_t> drawn,
-                              std::uint32_t slice) {
+double DrawnSections::wrong_share(Region one, Region other, std::span<const std::uint32_t> drawn,
+                                  std::uint32_t slice) {
     const auto weight = [&](std::uint32_t s) { return weight_of(s, slice); };
     if (one == other) return sum_in_one(table_.members[one], drawn, weight);
     both_.clear();
@@ -100,7 +100,7 @@ double DrawnCuts::wrong_share(Region one, Region other, std::span<const std::uin
     return sum_in_one(both_, drawn, weight);
 }
 
-double DrawnCuts::change(std::span<const std::uint32_t> moved, Region to) {
+double DrawnSections::change(std::span<const std::uint32_t> moved, Region to) {
     double sum = 0;
     for (const std::uint32_t c : moved) {
         find_parts(c);
@@ -122,7 +122,7 @@ double DrawnCuts::change(std::span<const std::uint32_t> moved, Region to) {
     return sum;
 }
 
-bool DrawnCuts::protrudes(std::span<const std::uint32_t> cells) {
+bool DrawnSections::protrudes(std::span<const std::uint32_t> cells) {
     for (const std::uint32_t c : cells) {
         find_parts(c);
         for (const Part& part : parts_) {
@@ -134,7 +134,7 @@ bool DrawnCuts::protrudes(std::span<const std::uint32_t> cells) {
     return false;
 }
 
-bool DrawnCuts::lies_beside(std::uint32_t c, std::uint32_t vertex, bool above) const {
+bool DrawnSections::lies_beside(std::uint32_t c, std::uint32_t vertex, bool above) const {
     const std::uint32_t slice = slice_of(vertex);
     if (slice == SlicePlanes::no_slice) return true;
     std::size_t on = 0;
@@ -148,7 +148,7 @@ bool DrawnCuts::lies_beside(std::uint32_t c, std::uint32_t vertex, bool above) c
     return on < 3;
 }
 
-const std::vector<std::uint32_t>* DrawnCuts::wanted(std::uint32_t c) {
+const std::vector<std::uint32_t>* DrawnSections::wanted(std::uint32_t c) {
     find_parts(c);
     double most = 0;
     for (const Part& part : parts_) {

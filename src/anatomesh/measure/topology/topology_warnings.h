@@ -9,12 +9,12 @@
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh/measure/topology/spurious_joints.h"
-#include "anatomesh/measure/topology/surface_tears.h"
+#include "anatomesh/measure/topology/topology_check.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 
-struct TornModel {
+struct TopologyInput {
     const TetMesh& mesh;
     std::span<const std::uint32_t> neighbors;  // as cell_neighbors() gives them
     const RegionTable& regions;
@@ -25,22 +25,22 @@ struct TornModel {
     double size_mm = 0;                         // edge length
 };
 
-struct ModelTears {
-    std::vector<SurfaceTear> of_slices;
+struct TopologyFindings {
+    std::vector<TopologyMismatch> of_slices;
     std::vector<SpuriousJoint> between_planes;  // where planes cross
     std::vector<SpuriousJoint> small;           // there, handles of about an edge length
 };
 
-// The tears of surface_tears() that are sure to be none of the field's own: of structures twice as thick in
+// The tears of topology_check() that are sure to be none of the field's own: of structures twice as thick in
 // the mean as the edge length those alone that go on from end to end, and where parts branch or vanish no
 // joints. Of planes that are no sweep also spurious_joints(), and those small_handles() within one and a half
 // edge lengths that no whole contour is drawn beside. Requires: surfaces that are closed manifolds.
-ModelTears find_tears(const TornModel& model, int threads);
+TopologyFindings check_topology(const TopologyInput& model, int threads);
 
 // Where planes cross, how many of them; of what each of two ways sees what sees more, by structure.
-std::size_t spurious_places(const ModelTears& tears);
+std::size_t spurious_places(const TopologyFindings& tears);
 
-// W-PIP-004, once for each structure. `tears`: as find_tears() gives them.
-void warn_of_tears(const ModelTears& tears, const ContourSet& contours, double size_mm, RunContext& context);
+// W-PIP-004, once for each structure. `tears`: as check_topology() gives them.
+void warn_of_topology(const TopologyFindings& tears, const ContourSet& contours, double size_mm, RunContext& context);
 
 }  // namespace anatomesh

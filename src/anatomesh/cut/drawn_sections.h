@@ -1,4 +1,4 @@
-// DrawnCuts: how far the cut of a mesh by the slices' planes is from what is drawn, cell by cell.
+// DrawnSections: how far the cross-section of a mesh by the slices' planes is from what is drawn, cell by cell.
 #pragma once
 
 #include <array>
@@ -34,14 +34,14 @@ struct SlicePlanes {
 };
 
 // Looks at cells with a vertex on a slice's contours, or, where planes cross, at all: at their facets in its
-// plane, which belong to the structures on both sides (slice_cuts.h), and at their sections where they pass
+// plane, which belong to the structures on both sides (slice_sections.h), and at their sections where they pass
 // through it. Keeps scratch space, and where planes cross what it found of each cell: one per thread. O(1) a
 // cell, where planes cross at the first time O(planes).
-class DrawnCuts {
+class DrawnSections {
   public:
-    DrawnCuts(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-              const std::vector<CellNeighbors>& neighbors, const std::vector<Region>& regions,
-              const RegionTable& table, const SlicePlanes& slices);
+    DrawnSections(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                  const std::vector<CellNeighbors>& neighbors, const std::vector<Region>& regions,
+                  const RegionTable& table, const SlicePlanes& slices);
 
     // By how much the area that is wrong, summed over structures, grows if the cells go to a region; mm^2,
     // or, where planes cross, as the weights have it.

@@ -1,4 +1,4 @@
-#include "anatomesh/measure/slice_cuts.h"
+#include "anatomesh/measure/slice_sections.h"
 
 #include <algorithm>
 #include <cassert>
@@ -6,7 +6,7 @@
 
 #include "anatomesh/contour/overlay/even_odd_area.h"
 #include "anatomesh/geom/polygon.h"
-#include "anatomesh/mesh/check/box_tree.h"
+#include "anatomesh/mesh/model/box_tree.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/slices/coverage/slice_coverage.h"
@@ -71,12 +71,12 @@ double farthest_off_plane(const ContourSet& contours, const Slice& slice) {
     return farthest;
 }
 
-// The boundary of one cut, as segments of the plane. Two that are equal cancel: the area between is what is
+// The boundary of one cross-section, as segments of the plane. Two that are equal cancel: the area between is what is
 // wanted.
-class Cut {
+class SectionBoundary {
   public:
-    Cut(std::span<const Vec3> points, const Plane& plane, double tolerance,
-        const std::vector<std::uint8_t>& drawn_here)
+    SectionBoundary(std::span<const Vec3> points, const Plane& plane, double tolerance,
+                    const std::vector<std::uint8_t>& drawn_here)
         : points_(points), plane_(plane), tolerance_(tolerance), drawn_here_(drawn_here) {}
 
     // The solid is cut just above the plane, and facets in the plane with the solid below are added.
@@ -148,12 +148,13 @@ class Cut {
 
 }  // namespace
 
-std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
-                                 std::span<const std::vector<Triangle>> surfaces, const ContourSet& contours,
-                                 std::span<const std::uint32_t> vertex_of) {
+std::vector<SliceSection> slice_sections(std::span<const Vec3> points,
+                                         std::span<const std::vector<Triangle>> surfaces,
+                                         const ContourSet& contours,
+                                         std::span<const std::uint32_t> vertex_of) {
     assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
-    std::vector<SliceCut> cuts;
-    if (contours.slices.empty()) return cuts;
+    std::vector<SliceSection> sections;
+    if (contours.slices.empty()) return sections;
     const double tolerance = on_plane_mm(contours);
     const bool parallel = all_parallel(contours, same_plane_mm);
     RunContext context;
@@ -166,8 +167,8 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
         for (std::uint32_t k = 0; k < contours.slices.size(); ++k) {
             const Slice& slice = contours.slices[k];
             const double off_plane = farthest_off_plane(contours, slice) + tolerance;
-            Cut cut(points, slice.plane, off_plane, drawn_here);
-            SliceCut measured{s, k, 0, 0};
+            SectionBoundary boundary(points, slice.plane, off_plane, drawn_here);
+            SliceSection measured{s, k, 0, 0};
             constexpr double far = 1e12;
             const Box2 extent = parallel ? Box2{{-far, -far}, {far, far}} : frames[k];
             bool drawn = false;
@@ -189,18 +190,20 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
                 if (contour.structure != s) continue;
                 drawn = true;
                 measured.drawn += signed_area(ring);
-                for (std::size_t n = 0; n < ring.size(); ++n) cut.add(ring[n], ring[(n + 1) % ring.size()]);
+                for (std::size_t n = 0; n < ring.size(); ++n)
+                    boundary.add(ring[n], ring[(n + 1) % ring.size()]);
             }
             if (drawn || (covers[k] && (parallel || slice.contour_count > 0) && !unknown.contains(k, s))) {
                 // Twice what counts as on the plane, for rounding.
-                surface.for_each_near(slice.plane, 2 * off_plane, [&](const Triangle& t) { cut.add(t); });
-                measured.difference = even_odd_area(cut.rest(), extent);
-                cuts.push_back(measured);
+                surface.for_each_near(slice.plane, 2 * off_plane,
+                                      [&](const Triangle& t) { boundary.add(t); });
+                measured.difference = even_odd_area(boundary.rest(), extent);
+                sections.push_back(measured);
             }
             mark(0);
         }
     }
-    return cuts;
+    return sections;
 }
 
 }  // namespace anatomesh

@@ -1,5 +1,5 @@
-// Laws of the cuts of a labelled mesh by slices' planes.
-#include "anatomesh/cut/drawn_cuts.h"
+// Laws of the sections of a labelled mesh by slices' planes.
+#include "anatomesh/cut/drawn_sections.h"
 
 #include <gtest/gtest.h>
 
@@ -157,11 +157,11 @@ struct Case {
     }
 };
 
-TEST(DrawnCuts, where_planes_cross_the_change_is_that_of_the_whole_mesh_by_weight) {
+TEST(DrawnSections, where_planes_cross_the_change_is_that_of_the_whole_mesh_by_weight) {
     for (std::uint32_t seed = 1; seed <= 3; ++seed) {
         Case random(seed, seed == 2, 4);
-        DrawnCuts cuts(random.mesh.points, random.mesh.cells, random.neighbors, random.mesh.regions,
-                       random.registry.table(), random.crossing_slices());
+        DrawnSections sections(random.mesh.points, random.mesh.cells, random.neighbors, random.mesh.regions,
+                               random.registry.table(), random.crossing_slices());
         std::mt19937 choose(seed);
         int changed = 0, mended = 0;
         for (int n = 0; n < 150; ++n) {
@@ -170,15 +170,15 @@ TEST(DrawnCuts, where_planes_cross_the_change_is_that_of_the_whole_mesh_by_weigh
             if (beside != no_cell && n % 2) moved.push_back(beside);
             const Region to =
                 random.registry.intern(n % 3 ? std::vector<std::uint32_t>{0} : std::vector<std::uint32_t>{});
-            const double before = random.wrong_weight(), told = cuts.change(moved, to);
+            const double before = random.wrong_weight(), told = sections.change(moved, to);
             for (const std::uint32_t c : moved) random.mesh.regions[c] = to;
             EXPECT_NEAR(random.wrong_weight() - before, told, 1e-12);
             changed += std::abs(told) > 1e-9;
             // What is wanted makes a cell's largest part right.
-            if (const std::vector<std::uint32_t>* wanted = cuts.wanted(moved[0])) {
+            if (const std::vector<std::uint32_t>* wanted = sections.wanted(moved[0])) {
                 const Region drawn = random.registry.intern(*wanted);
                 EXPECT_NE(drawn, random.mesh.regions[moved[0]]);
-                mended += cuts.change(std::span(moved).first(1), drawn) < 0;
+                mended += sections.change(std::span(moved).first(1), drawn) < 0;
             }
         }
         EXPECT_GT(changed, 20);
@@ -186,12 +186,12 @@ TEST(DrawnCuts, where_planes_cross_the_change_is_that_of_the_whole_mesh_by_weigh
     }
 }
 
-TEST(DrawnCuts, the_change_is_that_of_the_whole_mesh) {
+TEST(DrawnSections, the_change_is_that_of_the_whole_mesh) {
     double least = 0, most = 0;
     for (std::uint32_t seed = 1; seed <= 6; ++seed) {
         Case random(seed, seed % 2 == 0, 5);
-        DrawnCuts cuts(random.mesh.points, random.mesh.cells, random.neighbors, random.mesh.regions,
-                       random.registry.table(), random.slices());
+        DrawnSections sections(random.mesh.points, random.mesh.cells, random.neighbors, random.mesh.regions,
+                               random.registry.table(), random.slices());
         std::mt19937 choice(seed);
         for (int move = 0; move < 40; ++move) {
             const auto c = static_cast<std::uint32_t>(choice() % random.mesh.cells.size());
@@ -199,7 +199,7 @@ TEST(DrawnCuts, the_change_is_that_of_the_whole_mesh) {
             if (const std::uint32_t n = random.neighbors[c][choice() % 4]; n != no_cell && move % 2)
                 cells.push_back(n);
             const auto to = static_cast<Region>(choice() % random.registry.table().members.size());
-            const double before = random.wrong_area(), change = cuts.change(cells, to);
+            const double before = random.wrong_area(), change = sections.change(cells, to);
             for (const std::uint32_t moved : cells) random.mesh.regions[moved] = to;
             EXPECT_NEAR(random.wrong_area() - before, change, 1e-12) << seed;
             least = std::min(least, change);
@@ -211,27 +211,27 @@ TEST(DrawnCuts, the_change_is_that_of_the_whole_mesh) {
 }
 
 // But for cells that several planes cut.
-TEST(DrawnCuts, what_is_wanted_makes_less_wrong) {
+TEST(DrawnSections, what_is_wanted_makes_less_wrong) {
     std::size_t wanted = 0, less = 0;
     for (std::uint32_t seed = 1; seed <= 6; ++seed) {
         Case random(seed, true, 4);
-        DrawnCuts cuts(random.mesh.points, random.mesh.cells, random.neighbors, random.mesh.regions,
-                       random.registry.table(), random.slices());
+        DrawnSections sections(random.mesh.points, random.mesh.cells, random.neighbors, random.mesh.regions,
+                               random.registry.table(), random.slices());
         for (std::uint32_t c = 0; c < random.mesh.cells.size(); ++c) {
-            const std::vector<std::uint32_t>* drawn = cuts.wanted(c);
+            const std::vector<std::uint32_t>* drawn = sections.wanted(c);
             if (!drawn) continue;
             ++wanted;
             EXPECT_NE(*drawn, random.registry.table().members[random.mesh.regions[c]]);
             const Region to = random.registry.intern(*drawn);
-            less += cuts.change(std::array{c}, to) < 0;
+            less += sections.change(std::array{c}, to) < 0;
         }
     }
     EXPECT_GT(wanted, 100u);
     EXPECT_GT(10 * less, 9 * wanted);
 }
 
-// With slices to look at: as manifold as without, and cuts that are nearer to what is drawn.
-TEST(DrawnCuts, relabelling_keeps_the_cuts) {
+// With slices to look at: as manifold as without, and sections that are nearer to what is drawn.
+TEST(DrawnSections, relabelling_keeps_the_cuts) {
     double without = 0, with = 0;
     for (std::uint32_t seed = 1; seed <= 12; ++seed) {
         for (const bool look : {false, true}) {

@@ -1,4 +1,4 @@
-#include "anatomesh/measure/topology/surface_tears.h"
+#include "anatomesh/measure/topology/topology_check.h"
 
 #include <algorithm>
 #include <array>
@@ -181,10 +181,10 @@ class LayeredSurface {
 // hangs together and goes on simply from window to window is a chain; the surface meets the levels in closed
 // curves, whose Euler number is 0, so that the numbers of its windows add up, and a bump of the surface
 // through a level cancels.
-class TearSearch {
+class StackTopology {
   public:
     // `turns`: by gap, where the surface may do more than go on; empty: nowhere.
-    TearSearch(const ContourSet& contours, std::uint32_t structure, double tolerance,
+    StackTopology(const ContourSet& contours, std::uint32_t structure, double tolerance,
                const LayeredSurface& surface, const std::vector<std::uint8_t>& turns)
         : contours_(contours),
           structure_(structure),
@@ -208,7 +208,7 @@ class TearSearch {
         }
     }
 
-    std::vector<SurfaceTear> find(bool whole_only, int threads) {
+    std::vector<TopologyMismatch> find(bool whole_only, int threads) {
         if (!take_in_all(whole_only, threads)) return {};
         for (std::uint32_t n = 0; n < sums_.size(); ++n) {
             const std::uint32_t chain = chains_.root(n);
@@ -223,7 +223,7 @@ class TearSearch {
             }
             if (chain != n) sums_[chain].add(sums_[n]);
         }
-        std::vector<SurfaceTear> tears;
+        std::vector<TopologyMismatch> tears;
         // What has no contour, bumps alone, is no chain.
         for (std::uint32_t n = 0; n < contours_.contours.size(); ++n) {
             const Sum& sum = sums_[n];
@@ -474,12 +474,12 @@ double on_plane_mm(const ContourSet& contours) {
 
 // Of slices side by side, in their order; `heights` of the points along the first one's normal; `turns` as
 // turns_in_gaps() gives them, or empty.
-std::vector<SurfaceTear> tears_of_stack(const std::vector<double>& heights,
+std::vector<TopologyMismatch> tears_of_stack(const std::vector<double>& heights,
                                         std::span<const std::vector<Triangle>> surfaces,
                                         const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
                                         std::span<const std::uint8_t> whole_only,
                                         const std::vector<std::vector<std::uint8_t>>& turns, int threads) {
-    std::vector<SurfaceTear> tears;
+    std::vector<TopologyMismatch> tears;
     const double tolerance = on_plane_mm(contours);
     const std::vector<std::uint8_t> no_turns;
     std::vector<std::uint32_t> contour_of(heights.size(), no_cell);
@@ -496,8 +496,8 @@ std::vector<SurfaceTear> tears_of_stack(const std::vector<double>& heights,
         };
         mark(true);
         const LayeredSurface surface(heights, surfaces[s], contour_of);
-        const std::vector<SurfaceTear> found =
-            TearSearch(contours, s, tolerance, surface, turns.empty() ? no_turns : turns[s])
+        const std::vector<TopologyMismatch> found =
+            StackTopology(contours, s, tolerance, surface, turns.empty() ? no_turns : turns[s])
                 .find(whole_only[s] != 0, threads);
         tears.insert(tears.end(), found.begin(), found.end());
         mark(false);
@@ -506,30 +506,30 @@ std::vector<SurfaceTear> tears_of_stack(const std::vector<double>& heights,
 }
 
 // How much is amiss with one structure.
-std::int64_t sum_amiss(const std::vector<SurfaceTear>& tears, std::uint32_t structure) {
+std::int64_t sum_amiss(const std::vector<TopologyMismatch>& tears, std::uint32_t structure) {
     std::int64_t sum = 0;
-    for (const SurfaceTear& tear : tears)
+    for (const TopologyMismatch& tear : tears)
         sum += tear.structure == structure ? std::abs(tear.euler - tear.expected) : 0;
     return sum;
 }
 
 // Of several stacks that see the same surface, for every structure those of the one that sees most amiss.
-std::vector<SurfaceTear> most_amiss(const std::vector<std::vector<SurfaceTear>>& by_stack,
+std::vector<TopologyMismatch> most_amiss(const std::vector<std::vector<TopologyMismatch>>& by_stack,
                                     std::size_t structures) {
-    std::vector<SurfaceTear> tears;
+    std::vector<TopologyMismatch> tears;
     for (std::uint32_t s = 0; s < structures; ++s) {
         const auto less = [&](const auto& p, const auto& q) { return sum_amiss(p, s) < sum_amiss(q, s); };
         const auto most = std::max_element(by_stack.begin(), by_stack.end(), less);
         if (most == by_stack.end()) continue;
         std::copy_if(most->begin(), most->end(), std::back_inserter(tears),
-                     [&](const SurfaceTear& tear) { return tear.structure == s; });
+                     [&](const TopologyMismatch& tear) { return tear.structure == s; });
     }
     return tears;
 }
 
 }  // namespace
 
-std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
+std::vector<TopologyMismatch> topology_check(std::span<const Vec3> points,
                                        std::span<const std::vector<Triangle>> surfaces,
                                        const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
                                        std::span<const std::uint8_t> whole_only, int threads) {
@@ -543,7 +543,7 @@ std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
         for (const Vec3& p : points) heights.push_back(dot(p, contours.slices.front().plane.normal));
         return tears_of_stack(heights, surfaces, contours, vertex_of, whole_only, {}, threads);
     }
-    std::vector<std::vector<SurfaceTear>> by_stack;
+    std::vector<std::vector<TopologyMismatch>> by_stack;
     for (const StackOfSlices& stack : stacks_of_slices(contours)) {
         heights.clear();
         for (const Vec3& p : points) heights.push_back(stack.sweep.straight(p).z);
@@ -557,7 +557,7 @@ std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
         const auto turns = turns_in_gaps(contours, stack, on_plane_mm(stack.straight));
         by_stack.push_back(
             tears_of_stack(heights, surfaces, stack.straight, vertices, whole_only, turns, threads));
-        for (SurfaceTear& tear : by_stack.back()) {
+        for (TopologyMismatch& tear : by_stack.back()) {
             tear.low_slice = stack.slices[tear.low_slice];
             tear.high_slice = stack.slices[tear.high_slice];
             tear.by_mesh = stack.leads;

@@ -1,4 +1,4 @@
-// surface_tears: where a model's surface has another topology than the contours say.
+// topology_check: where a model's surface has another topology than the contours say.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace anatomesh {
 
 // A run of slices through which a part of a structure goes on unchanged, and the surface along it.
-struct SurfaceTear {
+struct TopologyMismatch {
     std::uint32_t structure = 0;
     std::uint32_t low_slice = 0, high_slice = 0;  // where most is amiss; equal: beyond the last slice
     std::int64_t euler = 0, expected = 0;  // of the surface; two less for every hole torn through a wall
@@ -20,7 +20,7 @@ struct SurfaceTear {
         false;  // the run ends beyond the first and the last slice, not where its part branches or vanishes
     bool by_mesh =
         true;  // the field goes by these slices, so the mesh tore it; else the field may have done so
-    friend bool operator==(const SurfaceTear&, const SurfaceTear&) = default;
+    friend bool operator==(const TopologyMismatch&, const TopologyMismatch&) = default;
 };
 
 // Where a drawn part of a structure meets one part of the next slice alone, and what they have in common is
@@ -38,7 +38,7 @@ struct SurfaceTear {
 // structure with whole_only[s] != 0 those runs alone are asked for that are whole: the search ends where none
 // is left. By structure, then by slice, the same for any `threads`. Complexity: O(t log t) for t triangles;
 // the contours are compared only where a surface is no annulus.
-std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
+std::vector<TopologyMismatch> topology_check(std::span<const Vec3> points,
                                        std::span<const std::vector<Triangle>> surfaces,
                                        const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
                                        std::span<const std::uint8_t> whole_only, int threads = 1);

@@ -1,5 +1,5 @@
 // Solids of unit cubes, and what their contours say of them.
-#include "anatomesh/measure/topology/surface_tears.h"
+#include "anatomesh/measure/topology/topology_check.h"
 
 #include <gtest/gtest.h>
 
@@ -23,9 +23,9 @@ class TornSolid : public CubeSolid {
   public:
     // As it is; the same is to be found where it is bent, so that its slices lean against each other, and
     // where a plane that is no part of it runs across them.
-    std::vector<SurfaceTear> tears(const Drawing& drawing) {
+    std::vector<TopologyMismatch> tears(const Drawing& drawing) {
         const auto as_it_is = [](Vec3 p) { return p; };
-        const std::vector<SurfaceTear> found = tears(drawing, as_it_is);
+        const std::vector<TopologyMismatch> found = tears(drawing, as_it_is);
         EXPECT_EQ(found_in(tears(drawing, bend)), found_in(found)) << "bent";
         const Box3 box = kept(drawing.raw).box();
         Drawing finer;
@@ -55,7 +55,7 @@ class TornSolid : public CubeSolid {
     }
 
     // As it is alone: of slices in any position.
-    std::vector<SurfaceTear> tears_in_stacks(const Drawing& drawing) {
+    std::vector<TopologyMismatch> tears_in_stacks(const Drawing& drawing) {
         return tears(drawing, [](Vec3 p) { return p; });
     }
 
@@ -67,16 +67,16 @@ class TornSolid : public CubeSolid {
     }
 
     // What was found, whatever the slices' numbers are: a set across them may be numbered otherwise.
-    static std::vector<std::array<std::int64_t, 3>> found_in(const std::vector<SurfaceTear>& tears) {
+    static std::vector<std::array<std::int64_t, 3>> found_in(const std::vector<TopologyMismatch>& tears) {
         std::vector<std::array<std::int64_t, 3>> found;
-        for (const SurfaceTear& tear : tears) found.push_back({tear.euler, tear.expected, tear.whole});
+        for (const TopologyMismatch& tear : tears) found.push_back({tear.euler, tear.expected, tear.whole});
         std::sort(found.begin(), found.end());
         return found;
     }
 
     // With all points put elsewhere.
     template <class Place>
-    std::vector<SurfaceTear> tears(Drawing drawing, const Place& place) {
+    std::vector<TopologyMismatch> tears(Drawing drawing, const Place& place) {
         drawing.move(place);
         const ContourSet set = kept(drawing.raw);
         const std::vector<Triangle> triangles = surface();
@@ -97,15 +97,15 @@ class TornSolid : public CubeSolid {
         EXPECT_LT(2 * std::count(vertex_of.begin(), vertex_of.end(), no_cell), std::ssize(vertex_of));
         const std::vector<std::vector<Triangle>> surfaces{triangles};
         const std::uint8_t all[] = {0}, whole_only[] = {1};
-        std::vector<SurfaceTear> tears = surface_tears(moved, surfaces, set, vertex_of, all);
-        expect_whole_ones(surface_tears(moved, surfaces, set, vertex_of, whole_only), tears);
-        EXPECT_EQ(surface_tears(moved, surfaces, set, vertex_of, all, 3), tears);
+        std::vector<TopologyMismatch> tears = topology_check(moved, surfaces, set, vertex_of, all);
+        expect_whole_ones(topology_check(moved, surfaces, set, vertex_of, whole_only), tears);
+        EXPECT_EQ(topology_check(moved, surfaces, set, vertex_of, all, 3), tears);
         return tears;
     }
 
     // A search for whole runs alone finds those of `all` that are whole.
-    static void expect_whole_ones(const std::vector<SurfaceTear>& found, std::vector<SurfaceTear> all) {
-        std::erase_if(all, [](const SurfaceTear& tear) { return !tear.whole; });
+    static void expect_whole_ones(const std::vector<TopologyMismatch>& found, std::vector<TopologyMismatch> all) {
+        std::erase_if(all, [](const TopologyMismatch& tear) { return !tear.whole; });
         ASSERT_EQ(found.size(), all.size());
         for (std::size_t n = 0; n < all.size(); ++n) {
             EXPECT_TRUE(found[n].whole);
@@ -136,20 +136,20 @@ struct Plate {
     TornSolid solid;
     Drawing drawing = drawn_on_all({rectangle({0, 0}, {20, 2})});
     Plate() { solid.add({0, 0, 0}, {20, 2, 20}); }
-    std::vector<SurfaceTear> tears() { return solid.tears(drawing); }
+    std::vector<TopologyMismatch> tears() { return solid.tears(drawing); }
 };
 
-std::int64_t handles(const std::vector<SurfaceTear>& tears) {
+std::int64_t handles(const std::vector<TopologyMismatch>& tears) {
     std::int64_t twice = 0;
-    for (const SurfaceTear& tear : tears) twice += tear.expected - tear.euler;
+    for (const TopologyMismatch& tear : tears) twice += tear.expected - tear.euler;
     return twice / 2;
 }
 
-TEST(SurfaceTears, a_whole_plate_has_none) {
+TEST(TopologyCheck, a_whole_plate_has_none) {
     EXPECT_TRUE(Plate().tears().empty());
 }
 
-TEST(SurfaceTears, C35_a_hole_through_a_plate_is_found_wherever_it_lies) {
+TEST(TopologyCheck, C35_a_hole_through_a_plate_is_found_wherever_it_lies) {
     for (int low = 1; low < 17; ++low) {
         for (const int height : {1, 2, 3}) {
             Plate plate;
@@ -162,7 +162,7 @@ TEST(SurfaceTears, C35_a_hole_through_a_plate_is_found_wherever_it_lies) {
     }
 }
 
-TEST(SurfaceTears, the_slices_about_a_hole_are_named_and_holes_counted) {
+TEST(TopologyCheck, the_slices_about_a_hole_are_named_and_holes_counted) {
     Plate plate;
     plate.solid.remove({3, 0, 7}, {5, 2, 8});
     plate.solid.remove({13, 0, 7}, {15, 2, 8});
@@ -173,7 +173,7 @@ TEST(SurfaceTears, the_slices_about_a_hole_are_named_and_holes_counted) {
     EXPECT_EQ(tears[0].high_slice, 2u);
 }
 
-TEST(SurfaceTears, dents_bumps_and_notches_are_no_tears) {
+TEST(TopologyCheck, dents_bumps_and_notches_are_no_tears) {
     Plate plate;
     for (int z = 1; z < 18; z += 3) {
         plate.solid.remove({2 * (z % 7) + 2, 0, z}, {2 * (z % 7) + 3, 1, z + 2});  // a dent in one side
@@ -184,7 +184,7 @@ TEST(SurfaceTears, dents_bumps_and_notches_are_no_tears) {
     EXPECT_TRUE(plate.tears().empty());
 }
 
-TEST(SurfaceTears, the_wall_of_a_tube) {
+TEST(TopologyCheck, the_wall_of_a_tube) {
     for (const bool torn : {false, true}) {
         TornSolid solid;
         solid.add({0, 0, 0}, {9, 9, 20});
@@ -195,7 +195,7 @@ TEST(SurfaceTears, the_wall_of_a_tube) {
     }
 }
 
-TEST(SurfaceTears, a_bridge_over_a_gap) {
+TEST(TopologyCheck, a_bridge_over_a_gap) {
     for (const int bridges : {0, 1, 2}) {
         TornSolid solid;
         solid.add({0, 0, 0}, {20, 2, 20});
@@ -251,19 +251,19 @@ Drawing two_blocks_in_three_stacks(bool bridge) {
     });
 }
 
-TEST(SurfaceTears, a_bridge_between_the_slices_of_three_stacks) {
+TEST(TopologyCheck, a_bridge_between_the_slices_of_three_stacks) {
     for (const int bridges : {0, 1, 2}) {
         TornSolid solid;
         solid.add({0, 0, 0}, {20, 8, 20});
         solid.add({0, 9, 0}, {20, 17, 20});
         for (int n = 0; n < bridges; ++n) solid.add({3 + 8 * n, 8, 7}, {5 + 8 * n, 9, 9});
-        const std::vector<SurfaceTear> tears = solid.tears_in_stacks(two_blocks_in_three_stacks(false));
+        const std::vector<TopologyMismatch> tears = solid.tears_in_stacks(two_blocks_in_three_stacks(false));
         EXPECT_EQ(handles(tears), bridges);
-        for (const SurfaceTear& tear : tears) EXPECT_FALSE(tear.by_mesh);
+        for (const TopologyMismatch& tear : tears) EXPECT_FALSE(tear.by_mesh);
     }
 }
 
-TEST(SurfaceTears, a_bridge_that_a_plane_across_shows_is_none) {
+TEST(TopologyCheck, a_bridge_that_a_plane_across_shows_is_none) {
     TornSolid solid;
     solid.add({0, 0, 0}, {20, 8, 20});
     solid.add({0, 9, 0}, {20, 17, 20});
@@ -271,7 +271,7 @@ TEST(SurfaceTears, a_bridge_that_a_plane_across_shows_is_none) {
     EXPECT_TRUE(solid.tears_in_stacks(two_blocks_in_three_stacks(true)).empty());
 }
 
-TEST(SurfaceTears, a_gap_that_is_filled_but_for_cavities) {
+TEST(TopologyCheck, a_gap_that_is_filled_but_for_cavities) {
     TornSolid solid;
     solid.add({0, 0, 0}, {20, 5, 20});
     const Drawing drawing = drawn_on_all({rectangle({0, 0}, {20, 2}), rectangle({0, 3}, {20, 5})});
@@ -284,7 +284,7 @@ TEST(SurfaceTears, a_gap_that_is_filled_but_for_cavities) {
 }
 
 // A box with voids that begin and end between slices, one side of it or a cap torn.
-TEST(SurfaceTears, the_wall_of_a_closed_shell) {
+TEST(TopologyCheck, the_wall_of_a_closed_shell) {
     for (const int voids : {1, 2}) {
         const auto box = [&] {
             TornSolid solid;
@@ -314,7 +314,7 @@ TEST(SurfaceTears, the_wall_of_a_closed_shell) {
 }
 
 // The hole of the second slice reaches beyond the outline of the first, and none of what is left is judged.
-TEST(SurfaceTears, a_void_that_may_open_to_the_outside_is_not_judged) {
+TEST(TopologyCheck, a_void_that_may_open_to_the_outside_is_not_judged) {
     for (const bool opens : {false, true}) {
         TornSolid solid;
         solid.add({0, 0, 0}, {10, 10, 4});
@@ -329,7 +329,7 @@ TEST(SurfaceTears, a_void_that_may_open_to_the_outside_is_not_judged) {
 }
 
 // The lower half of the plate goes on as two: its run ends there.
-TEST(SurfaceTears, a_hole_in_a_run_that_ends_where_the_part_branches) {
+TEST(TopologyCheck, a_hole_in_a_run_that_ends_where_the_part_branches) {
     for (const bool torn : {false, true}) {
         TornSolid solid;
         solid.add({0, 0, 0}, {20, 2, 20});
@@ -341,12 +341,12 @@ TEST(SurfaceTears, a_hole_in_a_run_that_ends_where_the_part_branches) {
         if (torn) solid.remove({4, 0, 7}, {6, 2, 8});
         const auto tears = solid.tears(drawing);
         EXPECT_EQ(handles(tears), torn);
-        for (const SurfaceTear& tear : tears) EXPECT_FALSE(tear.whole);
+        for (const TopologyMismatch& tear : tears) EXPECT_FALSE(tear.whole);
     }
 }
 
 // One contour, two, and one again: a handle that is drawn.
-TEST(SurfaceTears, C16_branches_are_not_judged) {
+TEST(TopologyCheck, C16_branches_are_not_judged) {
     TornSolid solid;
     solid.add({0, 0, 0}, {20, 4, 20});
     solid.remove({8, 0, 8}, {12, 4, 12});

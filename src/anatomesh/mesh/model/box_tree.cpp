@@ -1,4 +1,4 @@
-#include "anatomesh/mesh/check/box_tree.h"
+#include "anatomesh/mesh/model/box_tree.h"
 
 #include <algorithm>
 #include <array>
