@@ -161,7 +161,7 @@ class StarDiscs {
         const auto position = [&](std::uint32_t c) {
             return std::lower_bound(star_.begin(), star_.end(), c) - star_.begin();
         };
-        constexpr std::uint32_t unseen = 0xFFFFFFFEu;
+        constexpr std::uint32_t unseen = 0xFFFFFFFEu;  // [index that no cell has; 0xFFFFFFFE; D]
         std::vector<std::uint32_t> from(star_.size(), unseen), queue = start.cells;
         for (const std::uint32_t c : start.cells) from[position(c)] = no_cell;
         for (std::size_t head = 0; head < queue.size(); ++head) {

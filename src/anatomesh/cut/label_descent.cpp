@@ -11,10 +11,11 @@ namespace anatomesh {
 namespace {
 
 constexpr int any_change = std::numeric_limits<int>::max();
-// Moves of variable depth: how many of those that bring a subsegment back are followed, and how far.
+// So many moves that bring a subsegment back are followed, the cheapest first, [moves; >= 0; B]
 constexpr std::size_t most_openings = 12;
-constexpr int most_rounds_in_depth = 6;
-// Of what is drawn, where planes cross: there every move spoils some cross-section a little.
+constexpr int most_rounds_in_depth = 6;  // by so many rounds of moves. [rounds; >= 0; B]
+// Where planes cross, a move spoils a cross-section if it is more of what is drawn than this: there every move spoils
+// some a little. [1; 0 to 1e-3; M 2026-11 random sets of crossing planes]
 constexpr double least_spoiled_share = 1e-4;
 
 }  // namespace

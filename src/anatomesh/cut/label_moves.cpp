@@ -23,7 +23,7 @@ void LabelMoves::add_bridge(std::uint32_t vertex, const StarComponent& component
     const auto position = [&](std::uint32_t c) {
         return static_cast<std::size_t>(std::lower_bound(star.begin(), star.end(), c) - star.begin());
     };
-    constexpr std::uint32_t unseen = 0xFFFFFFFEu;
+    constexpr std::uint32_t unseen = 0xFFFFFFFEu;  // [index that no cell has; 0xFFFFFFFE; D]
     from_.assign(star.size(), unseen);
     queue_ = component.cells;
     for (const std::uint32_t c : component.cells) from_[position(c)] = no_cell;

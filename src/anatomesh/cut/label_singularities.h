@@ -26,7 +26,8 @@ struct LabelMove {
 // class alone. Not thread-safe.
 class LabelSingularities {
   public:
-    // One vertex that is not manifold weighs as much as so many ends of lost subsegments.
+    // One surplus component weighs as much as so many ends of lost subsegments: a manifold comes first.
+    // [1; > 1; D]
     static constexpr int weight = 256;
 
     explicit LabelSingularities(const RelabelledMesh& mesh);

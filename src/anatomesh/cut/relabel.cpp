@@ -13,10 +13,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t stars_ahead = 2;  // are fetched into the cache so many before they are looked at
-constexpr int most_mends = 8;           // passes over the cells that are wrong in a slice's plane
-constexpr int most_passes_in_depth = 4;
-constexpr double flat_share = 1e-6;  // six volumes in cubes of the longest edge
+constexpr std::size_t stars_ahead = 2;  // Stars are fetched into the cache so many before. [stars; >= 0; B]
+constexpr int most_mends =
+    8;  // Passes go over the cells that are wrong in a slice's plane. [passes; >= 1; B]
+constexpr int most_passes_in_depth = 4;  // [passes; >= 0; B]
+// A cell is nearly flat with six volumes below this. [cubes of the longest edge; 0 to 1e-3; M 2026-11, set not recorded]
+constexpr double flat_share = 1e-6;
 
 bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
     double longest = 0;

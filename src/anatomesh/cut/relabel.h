@@ -13,7 +13,8 @@
 
 namespace anatomesh {
 
-inline constexpr double spike_share = 0.3;  // of a size: a vertex so far from interfaces would be a spike
+// A vertex so far from interfaces would be a spike. [sizes; > 0; M 2026-11, set not recorded]
+inline constexpr double spike_share = 0.3;
 
 struct RelabelStats {
     std::uint64_t nonmanifold_before = 0, nonmanifold_after = 0;  // vertices

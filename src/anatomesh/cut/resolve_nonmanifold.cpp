@@ -12,7 +12,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_relabellings = 20;  // passes that relabel components
+constexpr int most_relabellings = 20;  // So many passes relabel components. [passes; >= 0; B]
 
 Error stays_nonmanifold(const NonmanifoldPatch& patch, const std::vector<std::uint32_t>& vertices) {
     const Vec3 at = patch.points[vertices.front()];

@@ -14,7 +14,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_cells = 64;
+constexpr std::size_t most_cells = 64;  // A spurious component has no more. [cells; >= 1; B]
 
 class SpuriousComponentSearch {
   public:

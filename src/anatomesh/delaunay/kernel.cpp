@@ -18,13 +18,15 @@ namespace anatomesh {
 namespace {
 
 constexpr std::uint32_t removed = DelaunayKernel::removed;
-constexpr std::uint32_t most_slots = 1u << 30;  // a link is 4 * slot + facet
+constexpr std::uint32_t most_slots = 1u << 30;  // A link is 4 * slot + facet, in 32 bits. [slots; > 0; D]
 
-constexpr int most_regions = 64;
-constexpr std::size_t least_for_threads = 4000;  // fewer points are inserted sooner by one, but for
-constexpr std::size_t least_in_fine = 150;       // those in a mesh that has so many times as many vertices:
-constexpr std::size_t fine_mesh = 16;            // their cavities are small beside the regions
-constexpr std::size_t slots_per_point = 8;       // a point of many adds 6.8 cells to those that fill space
+constexpr int most_regions = 64;                 // [regions of space; 1 to 255; B]
+constexpr std::size_t least_for_threads = 4000;  // One thread inserts fewer points sooner. [points; >= 0; B]
+// In a fine mesh fewer are enough: their cavities are small beside the regions. [points; >= 0; B]
+constexpr std::size_t least_in_fine = 150;
+constexpr std::size_t fine_mesh = 16;  // It has so many times as many vertices. [1; > 0; B]
+// A point of many adds 6.8 cells to those that fill space. [slots a point; >= 1; B]
+constexpr std::size_t slots_per_point = 8;
 
 std::uint32_t vertex_of(const DelaunayKernel::KernelCell& cell, int place) {
     return cell.vertex[place] & ~removed;
@@ -83,7 +85,7 @@ struct DelaunayKernel::Anchors {
     }
 
   private:
-    static constexpr std::size_t per_axis = 32;
+    static constexpr std::size_t per_axis = 32;  // [boxes; >= 1; B]
     Vec3 low_, scale_;
     std::vector<std::uint32_t> slots_;
 };
@@ -386,7 +388,7 @@ void DelaunayKernel::make_cells(Worker& worker, std::uint32_t vertex) {
                  worker.corners[facet.corner[2]]);
     }
     for (; n < worker.cavity.size(); ++n) worker.free_slots.push_back(worker.cavity[n] >> 2);
-    constexpr std::size_t most_in_table = 256;
+    constexpr std::size_t most_in_table = 256;  // [vertices; >= 0; B]
     if (worker.corners.size() <= most_in_table) {
         link_by_table(worker, cells_);
     } else {
@@ -604,7 +606,7 @@ void DelaunayKernel::insert_in_regions(Worker& main, std::vector<std::uint32_t>&
 
 // Some of the cells in each worker's region, all over it.
 void DelaunayKernel::drop_anchors(std::vector<Worker>& workers, int threads) const {
-    constexpr std::size_t most_looked_at = 1 << 15;
+    constexpr std::size_t most_looked_at = 1 << 15;  // [cells; >= 1; B]
     const std::size_t step = cells_.size() / most_looked_at + 1;
     parallel_for(workers.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t r = begin; r < end; ++r) {
@@ -622,7 +624,7 @@ void DelaunayKernel::drop_anchors(std::vector<Worker>& workers, int threads) con
 // A cell in the worker's region near one of its points, as its last cell; which point that is.
 std::size_t DelaunayKernel::find_start(Worker& main, Worker& worker,
                                        std::span<const std::uint32_t> vertices) const {
-    constexpr std::size_t tries = 32;
+    constexpr std::size_t tries = 32;  // [cells; >= 1; B]
     for (std::size_t t = 0; t < tries; ++t) {
         const std::size_t n = vertices.size() * ((2 * t + tries) % (2 * tries) + 1) / (2 * tries);
         std::uint32_t found = 0;

@@ -24,8 +24,10 @@ namespace anatomesh {
 // kept with the cells; regions for threads); Devillers and Teillaud, Comput. Geom. 44, 2011 (ties).
 class DelaunayKernel {
   public:
+    // The vertex of all ghost cells. [index; 0x7FFFFFFF; D]
     static constexpr std::uint32_t infinite_vertex = 0x7FFFFFFFu;
-    static constexpr std::uint32_t removed = 0x80000000u;  // set in vertex[0] of a slot that holds no cell
+    // Set in vertex[0] of a slot that holds no cell. [bit; 0x80000000; D]
+    static constexpr std::uint32_t removed = 0x80000000u;
 
     // Positive: finite vertices as in mesh/model/tet_mesh.h; a ghost cell would be positive with any point outside
     // the hull in the place of the infinite vertex. vertex[0] is finite.

@@ -19,7 +19,7 @@ namespace {
 struct Step {
     std::uint8_t digit, frame;
 };
-constexpr int frame_count = 24;  // entry corner (8) x direction (3)
+constexpr int frame_count = 24;  // Entry corner (8) x direction (3). [frames; 24; D]
 
 constexpr unsigned rotated_left(unsigned bits, unsigned by) {
     return ((bits << (by % 3)) | (bits >> (3 - by % 3))) & 7u;
@@ -50,8 +50,9 @@ constexpr std::array<std::array<Step, 8>, frame_count> hilbert_steps() {
 }
 constexpr auto steps = hilbert_steps();
 
-constexpr int key_levels = 16;
-constexpr int key_bits = 3 * key_levels;
+constexpr int key_levels =
+    16;  // So many halvings of the box along each axis fit into 64 bits. [halvings; 1 to 21; D]
+constexpr int key_bits = 3 * key_levels;  // [bits; 3 to 63; D]
 
 // Places of points along the Hilbert curve that fills a box.
 class HilbertCurve {
@@ -79,7 +80,7 @@ class HilbertCurve {
     }
 
   private:
-    static constexpr double cells = 1 << key_levels;
+    static constexpr double cells = 1 << key_levels;  // [cells along an axis; 2^key_levels; D]
     std::uint32_t place(double value, double half_low) const {
         const double at = 2 * ((0.5 * value - half_low) * scale_);
         return static_cast<std::uint32_t>(std::clamp(at, 0.0, cells - 1));
@@ -98,7 +99,7 @@ struct Keyed {
 
 // By key, stable: eleven bits at a time, from the lowest.
 void radix_sort(std::vector<Keyed>& items, int bits) {
-    constexpr int digit_bits = 11;
+    constexpr int digit_bits = 11;  // [bits; 1 to 16; B]
     std::vector<Keyed> other(items.size());
     for (int shift = 0; shift < bits; shift += digit_bits) {
         std::array<std::uint32_t, (1 << digit_bits) + 1> begins{};
@@ -121,7 +122,7 @@ void sort_by_coordinates(std::span<const Vec3> points, std::span<Keyed> items) {
 // own.
 void settle_runs(std::span<const Vec3> points, std::span<Keyed> items,
                  std::vector<std::span<Keyed>>& long_runs) {
-    constexpr std::size_t least = 16;
+    constexpr std::size_t least = 16;  // [points; >= 1; B]
     for (std::size_t begin = 0, end = 0; begin < items.size(); begin = end) {
         while (end < items.size() && items[end].key == items[begin].key) ++end;
         const std::span<Keyed> run = items.subspan(begin, end - begin);
@@ -160,7 +161,8 @@ std::uint64_t mixed(std::uint64_t bits) {
 // It depends on the digits of the coordinates, not on their exponents: other units of length that are a power
 // of two times as long change nothing.
 unsigned round_from_last(Vec3 p, std::uint64_t key, unsigned most) {
-    constexpr std::uint64_t digits = (std::uint64_t{1} << 52) - 1;
+    constexpr std::uint64_t digits =
+        (std::uint64_t{1} << 52) - 1;  // [bits of a double; 2^52 - 1; D IEEE 754]
     std::uint64_t bits = mixed(key + 0x9E3779B97F4A7C15u);
     for (const double value : {p.x, p.y, p.z})
         bits = mixed(bits + (std::bit_cast<std::uint64_t>(value) & digits));
@@ -170,7 +172,7 @@ unsigned round_from_last(Vec3 p, std::uint64_t key, unsigned most) {
 }  // namespace
 
 SpatialOrder spatial_order(std::span<const Vec3> points, std::size_t known, int threads) {
-    constexpr std::size_t smallest_round = 64;
+    constexpr std::size_t smallest_round = 64;  // [points; >= 1; B]
     unsigned rounds = 1;
     for (std::size_t size = points.size(); size / 8 > std::max(known, smallest_round); size /= 8) ++rounds;
 

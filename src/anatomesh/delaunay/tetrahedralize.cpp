@@ -17,7 +17,8 @@ namespace {
 
 using KernelCell = DelaunayKernel::KernelCell;
 
-constexpr std::size_t ahead = 6;  // cells are fetched into the cache so many before they are read
+constexpr std::size_t ahead =
+    6;  // Cells are fetched into the cache so many before they are read. [cells; >= 0; B]
 
 bool finite(Vec3 p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);

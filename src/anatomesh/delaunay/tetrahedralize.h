@@ -33,7 +33,7 @@ struct DelaunaySnapshot {
 // point. 64 bytes a cell. Follows: see kernel.h.
 class Tetrahedralization {
   public:
-    static constexpr std::size_t most_points = std::size_t{1} << 27;
+    static constexpr std::size_t most_points = std::size_t{1} << 27;  // [points; > 0; D links of 32 bits]
 
     // `threads`: at least 1; how many work at once.
     // Errors: geometry E-DEL-001 fewer than four distinct points, or all of them in one plane (M-01);

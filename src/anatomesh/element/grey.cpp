@@ -12,7 +12,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t cells_at_once = 512;
+constexpr std::size_t cells_at_once = 512;  // [cells; >= 1; B]
 
 // The image with the map from space to its voxels.
 class Sampler {

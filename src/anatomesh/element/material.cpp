@@ -25,7 +25,7 @@ double raw_density(const MaterialLaw& law, double grey) {
     return std::max(0.0, law.intercept + law.slope * grey);
 }
 
-constexpr double tonnes_per_mm3 = 1e-9;  // of 1 g/cm3
+constexpr double tonnes_per_mm3 = 1e-9;  // 1 g/cm3. [t/mm^3; 1e-9; D]
 
 // A mean by volume that is exact where all values are equal.
 class Mean {

@@ -215,7 +215,7 @@ struct ShapeFindings {
     std::vector<ListedCell> worst;        // some of all these
 };
 
-constexpr std::size_t named_places = 3;
+constexpr std::size_t named_places = 3;  // A clause names no more. [places; >= 1; C]
 
 ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes,
                          const ContourFindings& findings, int threads, ModelReport& report) {
@@ -251,7 +251,7 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
     }
     if (input.contours) {
         // Pieces of a fixed size: the same mean at any number of threads.
-        constexpr std::size_t grain = 16384;
+        constexpr std::size_t grain = 16384;  // [cells at a time; >= 1; B]
         const std::size_t cells = shapes.radius_edge.size();
         std::vector<double> sums(cells / grain + 1, 0);
         std::vector<std::uint64_t> counts(sums.size(), 0);

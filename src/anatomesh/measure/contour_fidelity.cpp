@@ -14,9 +14,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double small_angle_deg = 60.0;     // at which a contour turns
-constexpr double small_crossing_deg = 30.0;  // between contours that share a vertex
-constexpr double on_segment = 1e-6;          // a vertex within it, in its lengths
+// A contour that turns at a smaller angle forces cells. [degrees; 0 to 180; C clause 4]
+constexpr double small_angle_deg = 60.0;
+// Contours that share a vertex and meet at a smaller angle force cells. [degrees; 0 to 90; C clause 4]
+constexpr double small_crossing_deg = 30.0;
+// A vertex within this of a segment lies on it. [lengths of the segment; 0 to 1e-3; C clause 1]
+constexpr double on_segment = 1e-6;
 
 // The vertices of a surface in lexicographic order.
 class VerticesByPlace {

@@ -11,8 +11,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_slope = 0.02;  // of a segment against a plane that it passes
-constexpr double parallel_mm = 0.01;  // planes that move no point by more cross nowhere near what they draw
+// A segment is steeper against a plane that it passes. [1; 0 to 1; M 2026-11, set not recorded]
+constexpr double least_slope = 0.02;
+// Planes that move no point by more cross nowhere near what they draw. [mm; 0 to 0.1; M 2026-11, set not recorded]
+constexpr double parallel_mm = 0.01;
 
 bool passes_within(Vec3 a, Vec3 b, Vec3 p, double distance) {
     const Vec3 way = b - a;

@@ -17,8 +17,8 @@ struct SegmentOfContour {
 };
 
 // Slices agree in a point where one's contour passes the other's plane when a contour of the other is this
-// near: as far as vertices of a slice may be moved for another structure's sake (merge_coincident.h) and more
-// than planes and points of files are off.
+// near: as far as vertices of a slice may be moved for another structure's sake (merge_coincident.h) and more than
+// planes and points of files are off. [mm; > 0; C clause 1]
 inline constexpr double contradiction_mm = 0.1;
 
 // Of these segments those with a point in which their contour passes the plane of another slice, from one

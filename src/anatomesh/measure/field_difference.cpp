@@ -14,10 +14,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double most_points = 100'000;  // of a lattice
-constexpr std::size_t columns_at_a_time = 64;
-constexpr double golden =
-    0.6180339887498949;  // tan of the lattice's angle: the hardest to approximate by fractions
+constexpr double most_points = 100'000;        // A lattice has no more. [points; >= 1; B]
+constexpr std::size_t columns_at_a_time = 64;  // [columns; >= 1; B]
+// The tangent of the lattice's angle is the number that fractions approximate worst. [1; 0 to 1; D golden ratio]
+constexpr double golden = 0.6180339887498949;
 
 // Columns along z over a box: a square lattice, turned.
 class Columns {

@@ -15,11 +15,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t all_middles_up_to = 100'000;  // facets
-constexpr double saturated = 0.95;                  // of the clamp: the field may mean more
-
-constexpr std::size_t looked_at = 1000;  // points whose distance is found by looking round them
-constexpr int steps = 8;                 // on the way to the value
+constexpr std::size_t all_middles_up_to = 100'000;  // [facets; >= 1; B]
+// From this share of the clamp on the field may mean more. [1; 0 to 1; D]
+constexpr double saturated = 0.95;
+constexpr std::size_t looked_at =
+    1000;                 // Points whose distance is found by looking round them. [points; >= 0; B]
+constexpr int steps = 8;  // Steps lead to the value. [steps; >= 1; B]
 
 // A surface: of one of the model's structures, or, with their number, of all of them together.
 struct Measured {

@@ -23,7 +23,7 @@ struct Clause {
     std::string evidence;   // the measured figures, one sentence
 };
 
-// How many cells a report lists by number; the rest are counted.
+// How many cells a report lists by number; the rest are counted. [cells; >= 1; B]
 inline constexpr std::size_t max_listed_cells = 10'000;
 
 // A cell that breaks a bound, with what forces it.

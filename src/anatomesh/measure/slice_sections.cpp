@@ -16,8 +16,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double on_plane_share =
-    1e-9;  // a vertex this near to a plane lies on it, in lengths of the contours' box
+// A vertex this near to a plane lies on it. [diagonals of the contours' box; 0 to 1e-6; D rounding of doubles]
+constexpr double on_plane_share = 1e-9;
+// Planes this near to each other are one. [mm; 0 to 0.01; D digits of files]
 constexpr double same_plane_mm = 1e-6;
 
 // The triangles of a surface that may meet a plane, found without the others.
@@ -169,7 +170,7 @@ std::vector<SliceSection> slice_sections(std::span<const Vec3> points,
             const double off_plane = farthest_off_plane(contours, slice) + tolerance;
             SectionBoundary boundary(points, slice.plane, off_plane, drawn_here);
             SliceSection measured{s, k, 0, 0};
-            constexpr double far = 1e12;
+            constexpr double far = 1e12;  // Beyond everything. [mm; > 0; D]
             const Box2 extent = parallel ? Box2{{-far, -far}, {far, far}} : frames[k];
             bool drawn = false;
             const auto mark = [&](std::uint8_t value) {

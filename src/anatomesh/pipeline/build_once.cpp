@@ -25,10 +25,10 @@
 #include "anatomesh/improve/smooth/balance_volumes.h"
 #include "anatomesh/improve/smooth/improve.h"
 #include "anatomesh/improve/smooth/smooth_vertices.h"
-#include "anatomesh/mesh/check/spurious_handles.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/topology/topology_warnings.h"
+#include "anatomesh/mesh/check/spurious_handles.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/drop_outside.h"
 #include "anatomesh/mesh/edit/facets.h"
@@ -171,9 +171,10 @@ class Builder {
     // or one that goes on simply from end to end.
     bool tore_a_structure() const {
         const std::vector<double> thickness = mean_thickness(contours_);
-        return std::any_of(tears_.of_slices.begin(), tears_.of_slices.end(), [&](const TopologyMismatch& tear) {
-            return tear.by_mesh && (tear.whole || thickness[tear.structure] < hardly_thicker * size_mm());
-        });
+        return std::any_of(
+            tears_.of_slices.begin(), tears_.of_slices.end(), [&](const TopologyMismatch& tear) {
+                return tear.by_mesh && (tear.whole || thickness[tear.structure] < hardly_thicker * size_mm());
+            });
     }
 
     Status make_field() {
@@ -707,9 +708,9 @@ class Builder {
         std::vector<std::size_t> same(structures_);
         std::iota(same.begin(), same.end(), std::size_t{0});
         const double size_mm = sample_->stats.size_mm;
-        tears_ = check_topology({model_.mesh, neighbors_, model_.regions, report().structures, model_.contours,
-                             same, model_.contour_vertices, size_mm},
-                            context_.threads);
+        tears_ = check_topology({model_.mesh, neighbors_, model_.regions, report().structures,
+                                 model_.contours, same, model_.contour_vertices, size_mm},
+                                context_.threads);
         warn_of_topology(tears_, model_.contours, size_mm, context_);
     }
 

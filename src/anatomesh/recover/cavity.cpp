@@ -11,10 +11,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double good_sine = 0.2588;  // of 15 degrees
-constexpr double good_ratio = 2;
-constexpr double no_cell_here = 2;        // of a facet that has the apex as a corner
-constexpr double surely_positive = 1e-4;  // rounding is far below such a share of the edges' product
+constexpr double good_sine =
+    0.2588;  // Least dihedral angle of a good cell, 15 degrees. [1; 0 to 1; M 2026-11, set not recorded]
+constexpr double good_ratio = 2;    // Radius-edge ratio of a good cell. [1; > 0.612; C clause 4]
+constexpr double no_cell_here = 2;  // Stands for a facet that has the apex as a corner. [1; > 1; D]
+// Rounding is far below such a share of the edges' product. [1; 0 to 1; D rounding of doubles]
+constexpr double surely_positive = 1e-4;
 
 MeshEdge edge_of(std::uint32_t a, std::uint32_t b) {
     return {std::min(a, b), std::max(a, b)};

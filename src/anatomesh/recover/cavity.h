@@ -72,7 +72,7 @@ class Cavity {
         std::uint32_t beyond;
         double value;  // of the cell with the apex; 2 where it has the apex as a corner
     };
-    static constexpr std::size_t most_cells = 150;
+    static constexpr std::size_t most_cells = 150;  // [cells; >= 1; B]
 
     bool holds(std::uint32_t c) const { return c != no_cell && c < stamp_.size() && stamp_[c] == now_; }
     Facet facet(std::uint32_t c, int i);

@@ -10,19 +10,25 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int segment_rounds = 8;
-constexpr int side_rounds = 2;    // of points beside subsegments off their structure's surface
-constexpr std::size_t a_few = 8;  // so many may always be split further
-constexpr double free_share =
-    0.25;  // of a subsegment that is split: no other contour vertex is this near to its middle
-constexpr double shortest_subsegment = 0.3;  // of a contour segment that is still split, in sizes
-constexpr double dense_free_share = 0.5;     // the whole ball of a subsegment that is split
+constexpr int segment_rounds = 8;  // [rounds; >= 1; B]
+constexpr int side_rounds = 2;  // Points go beside subsegments off their surface so often. [rounds; >= 0; B]
+constexpr std::size_t a_few = 8;  // So many may always be split further. [subsegments; >= 0; B]
+// No other contour vertex is this near to the middle of a subsegment that is split.
+// [its lengths; 0 to 0.5; M 2026-11, set not recorded]
+constexpr double free_share = 0.25;
+// Subsegments are split in rounds down to this length. [sizes; > 0; M 2026-11, set not recorded]
+constexpr double shortest_subsegment = 0.3;
+// The whole ball of a subsegment that is split. [its lengths; 0 to 0.5; D]
+constexpr double dense_free_share = 0.5;
 // Where more than a few are missing, as where planes cross: no other contour vertex, nor an end of the
-// subsegment, is this near to its middle, in sizes.
+// subsegment, is this near to its middle. [sizes; >= 0; M 2026-11, set not recorded]
 constexpr double subsegment_clearance = 0.05;
-constexpr double lone_room = 1.9;  // in shares as above: nearly the whole ball of the subsegment
+// Nearly the whole ball of the subsegment. [free_share; 0 to 2; M 2026-11 fetal brain and crossing stacks]
+constexpr double lone_room = 1.9;
+// The same where planes are dense. [free_share; 0 to 2; M 2026-11, set not recorded]
 constexpr double crowded_room = 0.3;
-constexpr double shortest_graded = 0.01;  // as shortest_subsegment, where subsegments were split beforehand
+// As shortest_subsegment, where subsegments were split beforehand. [sizes; > 0; M 2026-11, set not recorded]
+constexpr double shortest_graded = 0.01;
 
 }  // namespace
 

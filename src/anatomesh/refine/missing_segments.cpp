@@ -14,7 +14,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t subsegments_at_once = 256;
+constexpr std::size_t subsegments_at_once = 256;  // [subsegments; >= 1; B]
 
 // The subsegments by their lower vertex.
 struct SubsegmentTable {

@@ -17,10 +17,14 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double spread = 0.7;       // of the points of one round, in circumradii
-constexpr double far_off = 5;        // from a facet's own surface, near another one's, in bounds
-constexpr double far = 8;            // circumradii of so many shortest edges
-constexpr std::size_t batch = 2048;  // cells that choose their points without knowing of each other
+// Points of one round keep this distance from each other. [circumradii; 0 to 1; M 2026-11, set not recorded]
+constexpr double spread = 0.7;
+// A facet near another structure's surface deviates if it is so far from its own. [bounds; >= 1; M 2026-11, set not recorded]
+constexpr double far_off = 5;
+// Cells with circumradii of more shortest edges wait where a point was chosen. [shortest edges; > 0; B]
+constexpr double far = 8;
+// So many cells choose their points without knowing of each other. [cells; >= 1; B]
+constexpr std::size_t batch = 2048;
 
 struct BadCell {
     std::uint32_t cell = 0;
@@ -217,7 +221,7 @@ std::vector<BadCell> bad_cells(const LabelledMeshView& mesh, const RefineOptions
         std::uint64_t cells = 0;
         double ratios = 0;
     };
-    constexpr std::size_t grain = 8192;
+    constexpr std::size_t grain = 8192;  // [cells at a time; >= 1; B]
     std::vector<Inside> inside(look.size() / grain + 1);
     std::vector<BadCell> bad = parallel_collect<BadCell>(
         look.size(), grain, threads, [&](std::size_t first, std::size_t last, std::vector<BadCell>& out) {

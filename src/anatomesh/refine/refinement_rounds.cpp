@@ -10,27 +10,39 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double shortest_spike = 0.4;  // an edge across a surface, with an end on another one, in sizes
-constexpr int crossing_rounds = 3;
-constexpr int deviation_rounds = 5;
-constexpr int refinement_rounds = 12;
-constexpr int protected_rounds = 4;         // of these, the first keep out of the balls of contour segments
-constexpr double protected_at_first = 0.5;  // of the balls, by radius
-constexpr int small_mesh_rounds = 60;       // tiny segments need a round for each doubling of the size,
-constexpr std::size_t small_mesh = 20000;   // in meshes of fewer points than this
-constexpr double bound_step = 0.05;         // of the bound for the sake of the mean, and so many of them
-constexpr int bound_steps = 5, bound_steps_below_1 = 8;  // for a mean below 1
-constexpr int even_rounds = 4;                           // with each of these bounds
-constexpr int last_rounds = 1;                           // after the last segments
-constexpr int changed_rounds = 4;                        // of what changes later on
-// Where freehand planes lie closer than the vertices along them, contours tell the surface without more
-// points.
-constexpr double crowded_crossing_spacing =
-    0.05;  // of points where edges cross an interface from others, in edges
-constexpr int dense_deviation_rounds = 2;
-constexpr int section_rounds = 6, section_times = 3;  // so many rounds, in turns with subsegments and shapes
-// Of sections from where slices contradict each other, in sizes: fins and handles would come of vertices
-// there.
+// An edge across a surface with an end on another one counts from this length on.
+// [sizes; >= 0; M 2026-11 22 random label maps]
+constexpr double shortest_spike = 0.4;
+constexpr int crossing_rounds = 3;     // [rounds; >= 1; B]
+constexpr int deviation_rounds = 5;    // [rounds; >= 1; B]
+constexpr int refinement_rounds = 12;  // [rounds; >= 1; B]
+// So many of these keep out of the balls of contour segments, [rounds; >= 0; M 2026-11, set not recorded]
+constexpr int protected_rounds = 4;
+// of this share of the balls. [radii; 0 to 1; M 2026-11, set not recorded]
+constexpr double protected_at_first = 0.5;
+// Tiny segments need a round for each doubling of the size, [rounds; >= 1; B]
+constexpr int small_mesh_rounds = 60;
+// in meshes of fewer points than this. [points; >= 0; B]
+constexpr std::size_t small_mesh = 20000;
+// For the sake of the mean ratio the bound is lowered in steps of this share, [1; 0 to 0.2; M 2026-11 thigh and breast]
+constexpr double bound_step = 0.05;
+// so often, [steps; 0 to 10; M 2026-11 thigh and breast]
+constexpr int bound_steps = 5;
+// or so often for a mean below 1, [steps; 0 to 10; M 2026-11, set not recorded]
+constexpr int bound_steps_below_1 = 8;
+constexpr int even_rounds = 4;     // with each of these bounds. [rounds; >= 1; B]
+constexpr int last_rounds = 1;     // After the last segments. [rounds; >= 1; B]
+constexpr int changed_rounds = 4;  // Where something changes later on. [rounds; >= 1; B]
+// Where freehand planes lie closer than the vertices along them, points at crossings keep this distance from others:
+// contours show the surface without more points. [edges; 0 to 1; M 2026-11 dense freehand planes]
+constexpr double crowded_crossing_spacing = 0.05;
+constexpr int dense_deviation_rounds = 2;  // [rounds; >= 1; B]
+constexpr int section_rounds = 6;          // [rounds; >= 1; B]
+// Rounds for cross-sections take turns with subsegments and shapes so often; five turns were no better.
+// [turns; >= 1; M 2026-11 69 sets about an axis]
+constexpr int section_times = 3;
+// Sections keep this distance from where slices contradict each other: vertices there made fins and handles.
+// [sizes; >= 0; M 2026-11 five sets of contradicting slices]
 constexpr double contradicted_clearance = 0.25;
 
 // Radius-edge ratio of the cells inside in the mean, each at most the bound. Pieces of a fixed size: the same
@@ -39,7 +51,7 @@ double mean_ratio(const LabelledMesh& mesh, double bound, int threads) {
     struct Sum {
         double ratios = 0, cells = 0;
     };
-    constexpr std::size_t grain = 16384;
+    constexpr std::size_t grain = 16384;  // [cells at a time; >= 1; B]
     const std::vector<Cell>& cells = mesh.cells().cells;
     std::vector<Sum> sums(cells.size() / grain + 1);
     parallel_for(cells.size(), grain, threads, [&](std::size_t first, std::size_t last) {

@@ -20,8 +20,8 @@ struct WrongSection {
     Vec3 place;                 // of a vertex for it
 };
 
-// Of a section's middle towards the middle of the cell, in roots of the section's area: in the plane itself a
-// vertex would make flat cells with those of contours.
+// A point lies so far from the middle of a section towards the middle of the cell: in the plane itself a vertex would
+// make flat cells with those of contours. [roots of the section's area; 0 to 0.5; M 2026-11 69 sets about an axis]
 constexpr double beside_share = 0.05;
 
 Vec3 beside_plane(const Plane& plane, const PlaneSection& section, const std::vector<Vec3>& points,
@@ -49,7 +49,7 @@ std::vector<WrongSection> wrong_sections(const LabelledMeshView& mesh, const Cro
                                          const SectionPointOptions& options,
                                          const std::vector<std::uint32_t>& look, int threads) {
     const std::vector<Vec3>& points = mesh.points;
-    constexpr std::size_t grain = 4096;
+    constexpr std::size_t grain = 4096;  // [cells at a time; >= 1; B]
     return parallel_collect<WrongSection>(
         look.size(), grain, threads,
         [&](std::size_t first, std::size_t last, std::vector<WrongSection>& found) {

@@ -15,10 +15,12 @@ namespace {
 
 // An end this near to another segment lies on it, in lengths of that segment: contours drawn on one grid
 // touch to within the last digits of their files. The certificate's chains have the same tolerance.
+// [lengths of the segment; 0 to 1e-3; M 2026-11, set not recorded]
 constexpr double touching = 1e-6;
-
-constexpr double from_ends = 0.25;             // of a subsegment that is split on a shell, in its lengths
-constexpr double least_slope_to_foot = 0.005;  // see foot_on()
+// A subsegment is not split on a shell nearer to its ends. [its lengths; 0 to 0.5; M 2026-11, set not recorded]
+constexpr double from_ends = 0.25;
+// A foot is used only if the way to it is at least so steep (foot_on()). [1; 0 to 1; M 2026-11 16 structures of a head]
+constexpr double least_slope_to_foot = 0.005;
 
 // Whether a point this share of the way along s is no nearer than `distance` to its ends.
 bool clear_of_ends(const Segment2& s, double share, double distance) {

@@ -8,8 +8,9 @@ namespace anatomesh {
 
 namespace {
 
-// Onto several surfaces: one after the other, so often, until none is farther than so many tolerances.
+// A point is projected onto several surfaces one after the other, so often, [rounds; >= 1; B]
 constexpr int focus_rounds = 6;
+// until no surface is farther than so many tolerances. [tolerances; >= 1; M 2026-11, set not recorded]
 constexpr double focus_slack = 10;
 constexpr double everywhere = std::numeric_limits<double>::infinity();  // as a reach
 

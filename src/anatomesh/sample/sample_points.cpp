@@ -21,33 +21,53 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double surface_spacing = 0.6;    // smallest distance of two surface points, in sizes
-constexpr double protected_spacing = 0.5;  // of a free point from a contour point, in sizes
-constexpr double surface_band = 0.45;   // lattice points this near an interface are moved onto it, in sizes
-constexpr double lattice_shift = 0.04;  // of a lattice point from its place, at most, in half steps
-constexpr double size_per_spacing = 1.05;  // of the default size: thin walls get finer points of their own
-constexpr double size_per_thickness =
-    0.49;  // walls two edges thick in the mean have cells with vertices inside
-constexpr double contact_clearance =
-    0.01;  // of a contact of two contours from the ends of its segments, in sizes
-constexpr double shortest_conforming =
-    0.025;  // subsegments are not split below it for other contours' sake, in sizes
-// The same about an axis: where so many segments meet, which four planes through a line make, they run beside each
-// other at a few degrees.
+// Two surface points keep this distance. [sizes; 0 to 1; M 2026-11, set not recorded]
+constexpr double surface_spacing = 0.6;
+// A free point keeps this distance from contour points. [sizes; 0 to 1; M 2026-11, set not recorded]
+constexpr double protected_spacing = 0.5;
+// Lattice points nearer to an interface than this are moved onto it. [sizes; 0 to 1; M 2026-11, set not recorded]
+constexpr double surface_band = 0.45;
+// A lattice point is at most so far from its place: ties of position break, shapes stay.
+// [half steps; 0 to 0.2; M 2026-11, set not recorded]
+constexpr double lattice_shift = 0.04;
+// The default size is so many times the root of vertex spacing times slice spacing: thin walls get finer points of
+// their own. [1; > 0; M 2026-11, set not recorded]
+constexpr double size_per_spacing = 1.05;
+// Walls two edges thick in the mean have cells with vertices inside. [mean thicknesses; 0 to 1; M 2026-11 sparse skull]
+constexpr double size_per_thickness = 0.49;
+// A contact of two contours that is nearer to the end of a segment than this is that end.
+// [sizes; 0 to 0.1; M 2026-11 five organs]
+constexpr double contact_clearance = 0.01;
+// For the sake of contours of other planes subsegments are not split below this.
+// [sizes; 0 to 1; M 2026-11 fetal brain]
+constexpr double shortest_conforming = 0.025;
+// The same about an axis, where segments run beside each other at a few degrees.
+// [sizes; 0 to 1; M 2026-11 random sets about an axis]
 constexpr double shortest_about_axis = 0.01;
+// Where so many segments meet there is an axis: four planes through a line make them. [segments; >= 3; D]
 constexpr std::size_t segments_at_pole = 8;
-constexpr double shortest_beside_others = 0.1;  // the same for those of the same slice alone
-// There subsegments are at most so many times as long as the next vertex beside them is far, down to a length
-// in sizes: what a pixel's size is apart in the mean runs hundredths of a millimetre apart in places.
-constexpr double growth_beside_others = 3, shortest_graded = 0.015;
-// Points for each that there was, that this may add: outlines that run a tenth of a millimetre beside each
-// other all round ask for ten; and where planes cross, which crowd cells besides.
-constexpr double most_graded = 20, most_graded_where_planes_cross = 0.5;
-constexpr double longest_segment = 1.2;  // contour segments are split to this, in sizes
-// of the protected segments: 22 degrees at half the ball. On planes that cross there are short subsegments in
-// each other's balls: points refused for them left bad cells.
+// For the sake of contours of their own slice alone subsegments are not split below this. [sizes; 0 to 1; M 2026-11 spine]
+constexpr double shortest_beside_others = 0.1;
+// There subsegments are at most so many times as long as the next vertex beside them is far,
+// [1; > 0; M 2026-11 16 structures of a head]
+constexpr double growth_beside_others = 3;
+// down to this length: outlines that are a pixel apart in the mean run hundredths of a millimetre apart in places.
+// [sizes; 0 to 1; M 2026-11 16 structures of a head]
+constexpr double shortest_graded = 0.015;
+// Grading may add so many points for each that there was: outlines that run a tenth of a millimetre beside each other
+// all round ask for ten. [1; > 0; M 2026-11 organ drawn twice]
+constexpr double most_graded = 20;
+// The same where planes cross: more would crowd the cells. [1; > 0; M 2026-11 71 sets of crossing stacks]
+constexpr double most_graded_where_planes_cross = 0.5;
+// Contour segments are split to this length. [sizes; > 0; M 2026-11, set not recorded]
+constexpr double longest_segment = 1.2;
+// The slope of the protected lenses on parallel slices: 22 degrees at half the ball. Where planes cross, short
+// subsegments lie in each other's balls, and points refused for their lenses left bad cells.
+// [1; 0 to 1; M 2026-11, set not recorded]
 constexpr double lens_slope = 0.8;
-constexpr double position_tolerance = 2e-3;  // surface points lie on the interface to within this, in sizes
+// Surface points lie on the interface to within this: a tenth of the tolerance of clause 6.
+// [sizes; 0 to 0.02; M 2026-11, set not recorded]
+constexpr double position_tolerance = 2e-3;
 
 // The body-centred cubic lattice in half steps: the points whose three indices are all even or all odd.
 // A point belongs to the lattice 2^L times coarser when its indices are all multiples of 2^(L+1), or all odd

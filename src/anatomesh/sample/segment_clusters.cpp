@@ -13,10 +13,13 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t no_apex = 0xFFFFFFFFu;
-constexpr double straight = 1e-18;          // squared sine of the angle between subsegments of one segment
-constexpr double least_cosine = 0.9;        // of the angle between a subsegment and the way to it from a pole
-constexpr std::ptrdiff_t ways_at_pole = 8;  // four planes that meet in a line
+constexpr std::uint32_t no_apex = 0xFFFFFFFFu;  // [index that no vertex has; 0xFFFFFFFF; D]
+// The squared sine of the angle between subsegments of one segment is below this. [1; 0 to 1e-12; D rounding of doubles]
+constexpr double straight = 1e-18;
+// The cosine between a subsegment and the way to it from a pole is above this. [1; 0 to 1; M 2026-11 skin of a head, 36 and 60 planes]
+constexpr double least_cosine = 0.9;
+// Four planes that meet in a line make so many ways. [ways; >= 3; D]
+constexpr std::ptrdiff_t ways_at_pole = 8;
 
 // Whether the way from one point to another leads on from the apex: straight, or from a pole about so.
 bool leads_on(Vec3 apex, Vec3 from, Vec3 to, bool is_pole) {

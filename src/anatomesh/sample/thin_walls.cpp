@@ -9,10 +9,13 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double spot_reach =
-    0.7;  // about a thin spot, in sizes: as far as its neighbours among the ordinary points
-constexpr double edge_share = 0.6;  // thickness / edge length that keeps a wall whole
-constexpr double just_off = 0.02;   // beyond a surface, to see what is there; in sizes
+// Finer points go so far about a thin spot: as far as its neighbours among the ordinary points.
+// [sizes; > 0; M 2026-11 skull]
+constexpr double spot_reach = 0.7;
+// Thickness over edge length that keeps a wall whole. [1; 0 to 1; M 2026-11 shells of lattice points]
+constexpr double edge_share = 0.6;
+// So far beyond a surface it is seen what is there. [sizes; 0 to 0.1; M 2026-11, set not recorded]
+constexpr double just_off = 0.02;
 
 }  // namespace
 

@@ -10,8 +10,10 @@
 
 namespace anatomesh {
 
-inline constexpr double thin_wall = 0.5;  // walls and gaps thinner than this need finer points, in sizes
-inline constexpr int max_thin_level = 3;  // the finest edge length is the size / 2^3
+// Walls and gaps thinner than this need finer points. [sizes; 0 to 1; M 2026-11 skull]
+inline constexpr double thin_wall = 0.5;
+// The finest edge length is the size halved so often. [halvings; 0 to 8; B]
+inline constexpr int max_thin_level = 3;
 
 // A place on a surface where the edge length should be the size / 2^level.
 struct ThinSpot {

@@ -16,8 +16,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t samples_per_slice = 16;  // of a slice's points, for its distance from others
-constexpr int steps_to_clamp = 12;               // of a search along a line
+constexpr std::uint32_t samples_per_slice =
+    16;                             // Points for a slice's distance from others. [points; >= 1; B]
+constexpr int steps_to_clamp = 12;  // A search along a line takes so many. [steps; >= 1; B]
+// Slices farther away do not count as near. [slice spacings; > 1; M 2026-11, set not recorded]
 constexpr double spacings_of_reach = 4;
 
 bool draws(const ContourSet& set, std::uint32_t slice, std::uint32_t structure) {

@@ -15,10 +15,11 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_samples = 40'000;
-constexpr std::size_t neighbors_of_a_slice = 4;
-constexpr double cos_30 = 0.866;
-constexpr double least_sine = 0.2;  // between normals: a plane does not meet flatter places for sure
+constexpr std::size_t most_samples = 40'000;     // [points; >= 1; B]
+constexpr std::size_t neighbors_of_a_slice = 4;  // [slices; >= 1; B]
+constexpr double cos_30 = 0.866;                 // [1; cosine of 30 degrees; D]
+// A plane does not meet places for sure whose normals are nearer to its own. [sine of the angle; 0 to 1; M 2026-11, set not recorded]
+constexpr double least_sine = 0.2;
 
 // A place of a structure's surface.
 struct Sample {

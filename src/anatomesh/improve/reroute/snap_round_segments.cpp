@@ -18,8 +18,8 @@
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/improve/reroute/contour_loop.h"
-#include "anatomesh/mesh/model/surface_graph.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/model/surface_graph.h"
 
 namespace anatomesh {
 

@@ -12,7 +12,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_edges = 10'000'000;
+constexpr std::size_t most_edges = 10'000'000;  // [edges; >= 1; B]
 
 // All slices are seen along the normal of the first.
 const Plane& common_plane(const ContourSet& contours) {
@@ -125,7 +125,7 @@ std::vector<DrawnPart> drawn_parts(const ContourSet& contours, std::uint32_t sli
 
 std::vector<Continuation> continued_by(const ContourSet& contours, const std::vector<DrawnPart>& low,
                                        const std::vector<DrawnPart>& high) {
-    constexpr std::int32_t several = -2;
+    constexpr std::int32_t several = -2;  // [index that no part has; -2; D]
     std::vector<Continuation> up(low.size());
     std::vector<std::int32_t> down(high.size(), -1);
     for (std::size_t a = 0; a < low.size(); ++a) {

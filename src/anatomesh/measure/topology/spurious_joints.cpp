@@ -13,7 +13,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_flatness = 0.3;  // of a rim on a sheet: the length of the mean of its unit normals
+// A rim on a sheet is flat if the mean of its unit normals is longer. [1; 0 to 1; M 2026-11, set not recorded]
+constexpr double least_flatness = 0.3;
 
 // A side of a triangle, number 3 t + k of triangle t: from its corner k to the next.
 using Side = std::uint32_t;

@@ -14,7 +14,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t least_slices = 4;  // of a family
+constexpr std::size_t least_slices = 4;  // A family has no fewer. [slices; >= 2; M 2026-11, set not recorded]
 const double most_sine = std::sin(std::numbers::pi / 180);
 
 std::optional<StackOfSlices> stack_of(const ContourSet& contours, const std::vector<std::uint32_t>& chosen) {

@@ -20,10 +20,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double on_plane_share =
-    1e-9;  // a vertex this near to a plane lies on it, in lengths of the contours' box
+// A vertex this near to a plane lies on it. [diagonals of the contours' box; 0 to 1e-6; D rounding of doubles]
+constexpr double on_plane_share = 1e-9;
+// Planes that move no point by more are parallel. [mm; 0 to 0.01; D digits of files]
 constexpr double parallel_mm = 1e-6;
-constexpr double widest_gap = 1.5;  // median gaps; wider ones may not be bridged
+// Wider gaps may not be bridged. [median gaps; > 1; M 2026-11, set not recorded]
+constexpr double widest_gap = 1.5;
 constexpr double beyond_all = std::numeric_limits<double>::infinity();
 
 // An open range of heights, with the two slices that it lies between; beyond all slices the last one twice.
@@ -185,7 +187,7 @@ class StackTopology {
   public:
     // `turns`: by gap, where the surface may do more than go on; empty: nowhere.
     StackTopology(const ContourSet& contours, std::uint32_t structure, double tolerance,
-               const LayeredSurface& surface, const std::vector<std::uint8_t>& turns)
+                  const LayeredSurface& surface, const std::vector<std::uint8_t>& turns)
         : contours_(contours),
           structure_(structure),
           surface_(surface),
@@ -235,8 +237,9 @@ class StackTopology {
     }
 
   private:
-    static constexpr std::uint8_t from_below = 1,
-                                  from_above = 2;  // where a chain comes to a contour or curve
+    // Where a chain comes to a contour or curve.
+    static constexpr std::uint8_t from_below = 1;  // [bit; 1; D]
+    static constexpr std::uint8_t from_above = 2;  // [bit; 2; D]
 
     std::vector<Window> all_windows() const {
         std::vector<Window> windows;
@@ -475,10 +478,12 @@ double on_plane_mm(const ContourSet& contours) {
 // Of slices side by side, in their order; `heights` of the points along the first one's normal; `turns` as
 // turns_in_gaps() gives them, or empty.
 std::vector<TopologyMismatch> tears_of_stack(const std::vector<double>& heights,
-                                        std::span<const std::vector<Triangle>> surfaces,
-                                        const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
-                                        std::span<const std::uint8_t> whole_only,
-                                        const std::vector<std::vector<std::uint8_t>>& turns, int threads) {
+                                             std::span<const std::vector<Triangle>> surfaces,
+                                             const ContourSet& contours,
+                                             std::span<const std::uint32_t> vertex_of,
+                                             std::span<const std::uint8_t> whole_only,
+                                             const std::vector<std::vector<std::uint8_t>>& turns,
+                                             int threads) {
     std::vector<TopologyMismatch> tears;
     const double tolerance = on_plane_mm(contours);
     const std::vector<std::uint8_t> no_turns;
@@ -515,7 +520,7 @@ std::int64_t sum_amiss(const std::vector<TopologyMismatch>& tears, std::uint32_t
 
 // Of several stacks that see the same surface, for every structure those of the one that sees most amiss.
 std::vector<TopologyMismatch> most_amiss(const std::vector<std::vector<TopologyMismatch>>& by_stack,
-                                    std::size_t structures) {
+                                         std::size_t structures) {
     std::vector<TopologyMismatch> tears;
     for (std::uint32_t s = 0; s < structures; ++s) {
         const auto less = [&](const auto& p, const auto& q) { return sum_amiss(p, s) < sum_amiss(q, s); };
@@ -530,9 +535,10 @@ std::vector<TopologyMismatch> most_amiss(const std::vector<std::vector<TopologyM
 }  // namespace
 
 std::vector<TopologyMismatch> topology_check(std::span<const Vec3> points,
-                                       std::span<const std::vector<Triangle>> surfaces,
-                                       const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
-                                       std::span<const std::uint8_t> whole_only, int threads) {
+                                             std::span<const std::vector<Triangle>> surfaces,
+                                             const ContourSet& contours,
+                                             std::span<const std::uint32_t> vertex_of,
+                                             std::span<const std::uint8_t> whole_only, int threads) {
     assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
     assert(whole_only.size() == surfaces.size());
     const bool asked =

@@ -39,8 +39,9 @@ struct TopologyMismatch {
 // is left. By structure, then by slice, the same for any `threads`. Complexity: O(t log t) for t triangles;
 // the contours are compared only where a surface is no annulus.
 std::vector<TopologyMismatch> topology_check(std::span<const Vec3> points,
-                                       std::span<const std::vector<Triangle>> surfaces,
-                                       const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
-                                       std::span<const std::uint8_t> whole_only, int threads = 1);
+                                             std::span<const std::vector<Triangle>> surfaces,
+                                             const ContourSet& contours,
+                                             std::span<const std::uint32_t> vertex_of,
+                                             std::span<const std::uint8_t> whole_only, int threads = 1);
 
 }  // namespace anatomesh

@@ -104,7 +104,8 @@ class TornSolid : public CubeSolid {
     }
 
     // A search for whole runs alone finds those of `all` that are whole.
-    static void expect_whole_ones(const std::vector<TopologyMismatch>& found, std::vector<TopologyMismatch> all) {
+    static void expect_whole_ones(const std::vector<TopologyMismatch>& found,
+                                  std::vector<TopologyMismatch> all) {
         std::erase_if(all, [](const TopologyMismatch& tear) { return !tear.whole; });
         ASSERT_EQ(found.size(), all.size());
         for (std::size_t n = 0; n < all.size(); ++n) {

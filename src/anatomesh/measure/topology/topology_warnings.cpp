@@ -22,8 +22,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double tears_below = 2;  // a structure this many sizes thick in the mean has no walls that tear
-constexpr double finer = 0.7;      // size to try
+// A structure this many sizes thick in the mean has no walls that tear. [sizes; > 0; M 2026-11, set not recorded]
+constexpr double tears_below = 2;
+constexpr double finer =
+    0.7;  // The size that a warning advises. [sizes; 0 to 1; M 2026-11, set not recorded]
 
 // By structure, whether a slice shows several contours of it: they follow one another.
 std::vector<std::uint8_t> shown_in_several(const ContourSet& contours) {
@@ -70,9 +72,9 @@ Told told_of(std::span<const TopologyMismatch> tears, const ContourSet& contours
     Told told;
     for (const TopologyMismatch& tear : tears) told.count += (amiss(tear) + 1) / 2;
     if (tears.empty()) return told;
-    const TopologyMismatch& worst =
-        *std::max_element(tears.begin(), tears.end(),
-                          [&](const TopologyMismatch& x, const TopologyMismatch& y) { return amiss(x) < amiss(y); });
+    const TopologyMismatch& worst = *std::max_element(
+        tears.begin(), tears.end(),
+        [&](const TopologyMismatch& x, const TopologyMismatch& y) { return amiss(x) < amiss(y); });
     told.slice = worst.low_slice;
     told.where = worst.low_slice == worst.high_slice
                      ? "most at the end beyond this slice"
@@ -162,7 +164,8 @@ TopologyFindings check_topology(const TopologyInput& model, int threads) {
     TopologyFindings tears;
     tears.of_slices = topology_check(model.mesh.points, surfaces, contours, model.vertex_of, thick, threads);
     // Where parts branch or vanish the field itself may join them, near the ends of the run.
-    std::erase_if(tears.of_slices, [](const TopologyMismatch& t) { return !t.whole && t.euler > t.expected; });
+    std::erase_if(tears.of_slices,
+                  [](const TopologyMismatch& t) { return !t.whole && t.euler > t.expected; });
     const bool asked =
         std::any_of(surfaces.begin(), surfaces.end(), [](const auto& surface) { return !surface.empty(); });
     if (asked && !is_parallel(contours) && !Sweep::of(contours)) {
@@ -183,7 +186,8 @@ std::size_t spurious_places(const TopologyFindings& tears) {
     return count;
 }
 
-void warn_of_topology(const TopologyFindings& tears, const ContourSet& contours, double size_mm, RunContext& context) {
+void warn_of_topology(const TopologyFindings& tears, const ContourSet& contours, double size_mm,
+                      RunContext& context) {
     for (std::uint32_t s = 0; s < contours.structures.size(); ++s) {
         // What sees more of them.
         Told told = told_of(of_structure(tears.of_slices, s), contours);

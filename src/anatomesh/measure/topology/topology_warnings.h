@@ -41,6 +41,7 @@ TopologyFindings check_topology(const TopologyInput& model, int threads);
 std::size_t spurious_places(const TopologyFindings& tears);
 
 // W-PIP-004, once for each structure. `tears`: as check_topology() gives them.
-void warn_of_topology(const TopologyFindings& tears, const ContourSet& contours, double size_mm, RunContext& context);
+void warn_of_topology(const TopologyFindings& tears, const ContourSet& contours, double size_mm,
+                      RunContext& context);
 
 }  // namespace anatomesh

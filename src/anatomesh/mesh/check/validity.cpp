@@ -11,9 +11,9 @@
 #include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/model/box_tree.h"
 #include "anatomesh/mesh/check/triangles_meet.h"
 #include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/model/box_tree.h"
 #include "anatomesh/mesh/model/buckets.h"
 
 namespace anatomesh {
