@@ -63,7 +63,7 @@ struct BadCell {
 
 // What speculation found out about a bad cell: of the tries on it those before `first` fail; that one may
 // succeed.
-struct Speculation {
+struct EvaluatedCell {
     BadCell bad;
     int first = 0;
     Proposal proposal;  // of the first
@@ -84,11 +84,12 @@ class HillClimber {
             at_last_ = drawn;
             at_last_.constraint_limited = constraint_limited_;
         }
+        edit.drawn = &drawn_;
         edit.goal = std::sin((edit.options.target_degrees + margin_degrees) * radians_per_degree);
     }
 
     void run(RunContext& context) {
-        for (const auto& [a, b, structure] : drawn_.subsegments_beside) edit_.keep_edge(a, b);
+        for (const auto& [a, b, structure] : drawn_.subsegments_beside) edit_.constraints.keep_edge(a, b);
         drop_ears(context.threads);
         remove_far_spikes(context.threads);
         recover_subsegments(listed_degrees, 0);
@@ -105,7 +106,7 @@ class HillClimber {
             edit_, drawn_, std::sin(listed_degrees * radians_per_degree), context.threads);
         edit_.stats.facets_detached = detached.facets_detached;
         edit_.stats.facets_left = detached.facets_left;
-        edit_.moves_junctions = true;
+        edit_.rule.moves_junctions = true;
         // Those that the optimization left are bad still; others may be where facets were detached.
         LocalRepairStats locally_repaired = repair_sections(context, nullptr);
         std::vector<std::uint32_t> left = std::move(locally_repaired.changed);
@@ -129,7 +130,7 @@ class HillClimber {
         remove_small_handles(std::max(least, listed_degrees), context);
         repair_worst_sections(context);
         locally_repaired.left.insert(locally_repaired.left.end(), watched_.begin(), watched_.end());
-        edit_.release_edges();  // those that could not be recovered would be in the way of cuts
+        edit_.constraints.release_edges();  // those that could not be recovered would be in the way of cuts
         repair_patch(std::max(least, listed_degrees), locally_repaired.left, context);
         reroute(std::max(least, listed_degrees), context);
         repair_flat_cells(context);
@@ -151,20 +152,20 @@ class HillClimber {
     // would be listed are raised above that at the price of ratios.
     void optimize_at_last(RunContext& context) {
         thorough_ = true;
-        edit_.slices = &drawn_;
+        edit_.rule.guards_sections = true;
         optimize(context);
         const double target = std::exchange(target_, std::sin(listed_degrees * radians_per_degree));
         const double most = edit_.options.max_radius_edge, last = edit_.options.last_radius_edge;
-        edit_.least_needed_sine = target_;
+        edit_.rule.least_sine = target_;
         for (int step = 1; step <= radius_edge_steps && last > most; ++step) {
             std::vector<std::uint32_t> left;
             for (; !queue_.empty(); queue_.pop()) left.push_back(queue_.top().cell);
-            edit_.options.max_radius_edge = most + step * (last - most) / radius_edge_steps;
+            edit_.rule.max_radius_edge = most + step * (last - most) / radius_edge_steps;
             collect(std::move(left), context.threads);
             optimize(context);
         }
-        edit_.options.max_radius_edge = most;
-        edit_.least_needed_sine = 0;
+        edit_.rule.max_radius_edge = most;
+        edit_.rule.least_sine = 0;
         target_ = target;
     }
 
@@ -183,15 +184,15 @@ class HillClimber {
         const double most = edit_.options.max_radius_edge, last = edit_.options.last_radius_edge,
                      listed = std::sin(listed_degrees * radians_per_degree);
         if (last > most) lower_ratios_above(last, listed, edit_.mesh.cell_count() / few_high, context);
-        edit_.least_lowered_sine = listed;
-        edit_.most_lowered_ratio = last;
+        edit_.rule.strict_least_sine = listed;
+        edit_.rule.strict_max_ratio = last;
         for (int pass = 0; pass < edit_.options.ratio_passes; ++pass) {
             const LoweredRatios lowered =
                 lower_ratios_above(most, std::max(target_, listed), edit_.mesh.cell_count(), context);
             if (lowered.changes == 0 || lowered.changes * worth_a_pass < lowered.found) break;
         }
-        edit_.least_lowered_sine = 0;
-        edit_.most_lowered_ratio = HUGE_VAL;
+        edit_.rule.strict_least_sine = 0;
+        edit_.rule.strict_max_ratio = HUGE_VAL;
     }
 
     struct LoweredRatios {
@@ -219,9 +220,9 @@ class HillClimber {
         LoweredRatios lowered{high.size()};
         // Many are of planes that crowd each other: there the cells in their place spoil the rest.
         if (high.size() > limit) return lowered;
-        const double before = std::exchange(edit_.options.max_radius_edge, most);
-        edit_.lowers_ratios = true;
-        edit_.least_needed_sine = least_sine;
+        const double before = std::exchange(edit_.rule.max_radius_edge, most);
+        edit_.rule.objective = Objective::radius_edge;
+        edit_.rule.least_sine = least_sine;
         for (std::size_t n = 0; n < high.size() && !context.cancelled(); ++n) {
             relabels_cells_ =
                 edit_.options.relabels_for_ratio || is_above(edit_.options.last_radius_edge, high[n]);
@@ -230,9 +231,9 @@ class HillClimber {
             watched_.insert(watched_.end(), edit_.changed.begin(), edit_.changed.end());
             std::copy_if(edit_.changed.begin(), edit_.changed.end(), std::back_inserter(high), is_high);
         }
-        edit_.lowers_ratios = false;
-        edit_.least_needed_sine = 0;
-        edit_.options.max_radius_edge = before;
+        edit_.rule.objective = Objective::least_sine;
+        edit_.rule.least_sine = 0;
+        edit_.rule.max_radius_edge = before;
         relabels_cells_ = true;
         return lowered;
     }
@@ -255,13 +256,14 @@ class HillClimber {
         if (drawn_.constraint_limited.empty()) return;
         std::vector<std::uint32_t> cells =
             cells_that([&](std::uint32_t c) { return is_blemish(c); }, context.threads);
-        const double most = std::exchange(edit_.options.max_radius_edge, edit_.options.last_radius_edge);
-        edit_.least_needed_sine = std::sin(listed_degrees * radians_per_degree);
-        edit_.spared = &drawn_;
+        const double most = std::exchange(edit_.rule.max_radius_edge, edit_.options.last_radius_edge);
+        edit_.rule.least_sine = std::sin(listed_degrees * radians_per_degree);
+        edit_.rule.spares_limited = true;
         const std::size_t limit = 4 * cells.size();
         for (std::size_t n = 0; n < cells.size() && n < limit && !context.cancelled(); ++n) {
             if (!is_blemish(cells[n])) continue;
-            edit_.lowers_ratios = is_above(edit_.options.last_radius_edge, cells[n]);
+            edit_.rule.objective = is_above(edit_.options.last_radius_edge, cells[n]) ? Objective::radius_edge
+                                                                                      : Objective::least_sine;
             const DihedralStats stats = edit_.stats;
             edit_.mesh.begin_attempt();
             const bool done = better(cells[n], nullptr) && keep_constraint_limited_bounds(edit_.changed);
@@ -274,10 +276,10 @@ class HillClimber {
             std::copy_if(edit_.changed.begin(), edit_.changed.end(), std::back_inserter(cells),
                          [&](std::uint32_t c) { return is_blemish(c); });
         }
-        edit_.lowers_ratios = false;
-        edit_.least_needed_sine = 0;
-        edit_.spared = nullptr;
-        edit_.options.max_radius_edge = most;
+        edit_.rule.objective = Objective::least_sine;
+        edit_.rule.least_sine = 0;
+        edit_.rule.spares_limited = false;
+        edit_.rule.max_radius_edge = most;
     }
 
     // Whether no contours excuse a cell so flat.
@@ -291,15 +293,15 @@ class HillClimber {
         if (drawn_.constraint_limited.empty()) return;
         const std::vector<std::uint32_t> flat =
             cells_that([&](std::uint32_t c) { return is_flat(c); }, context.threads);
-        const double most = std::exchange(edit_.options.max_radius_edge, most_limited_ratio);
+        const double most = std::exchange(edit_.rule.max_radius_edge, most_limited_ratio);
         QualityGate gate(edit_, drawn_, std::sin(listed_degrees * radians_per_degree));
-        thorough_ = edit_.moves_junctions = true;
-        edit_.slices = &drawn_;
+        thorough_ = edit_.rule.moves_junctions = true;
+        edit_.rule.guards_sections = true;
         for (std::size_t n = 0; n < std::min(flat.size(), most_flat) && !context.cancelled(); ++n)
             repair_flat_cell(flat[n], gate);
-        thorough_ = edit_.moves_junctions = false;
-        edit_.slices = nullptr;
-        edit_.options.max_radius_edge = most;
+        thorough_ = edit_.rule.moves_junctions = false;
+        edit_.rule.guards_sections = false;
+        edit_.rule.max_radius_edge = most;
     }
 
     // With the first operation that makes good cells alone.
@@ -409,23 +411,23 @@ class HillClimber {
     // ratios, for no angle that is listed. Ends where that makes ever more cells: what can be raised is with
     // some hundred. Returns what was made.
     std::vector<std::uint32_t> optimize_cells(std::vector<std::uint32_t> cells) {
-        thorough_ = edit_.moves_junctions = is_raising_ = true;
-        edit_.slices = &drawn_;
+        thorough_ = edit_.rule.moves_junctions = is_raising_ = true;
+        edit_.rule.guards_sections = true;
         const double target = target_, most = edit_.options.max_radius_edge,
                      listed = std::sin(listed_degrees * radians_per_degree);
         std::vector<std::uint32_t> changed = optimize_angles(cells);
-        target_ = edit_.least_needed_sine = listed;
-        edit_.options.max_radius_edge = edit_.options.last_radius_edge;
+        target_ = edit_.rule.least_sine = listed;
+        edit_.rule.max_radius_edge = edit_.options.last_radius_edge;
         cells.insert(cells.end(), changed.begin(), changed.end());
         const std::vector<std::uint32_t> more = optimize_angles(cells);
         changed.insert(changed.end(), more.begin(), more.end());
         cells.insert(cells.end(), more.begin(), more.end());
         target_ = target;
-        edit_.options.max_radius_edge = most;
+        edit_.rule.max_radius_edge = most;
         lower_ratios_of(cells, most, changed);
-        edit_.least_needed_sine = 0;
-        thorough_ = edit_.moves_junctions = is_raising_ = false;
-        edit_.slices = nullptr;
+        edit_.rule.least_sine = 0;
+        thorough_ = edit_.rule.moves_junctions = is_raising_ = false;
+        edit_.rule.guards_sections = false;
         return changed;
     }
 
@@ -447,7 +449,7 @@ class HillClimber {
 
     // Of those of the cells above `most`, and of cells that come of it, which `changed` gets.
     void lower_ratios_of(std::vector<std::uint32_t> cells, double most, std::vector<std::uint32_t>& changed) {
-        edit_.lowers_ratios = true;
+        edit_.rule.objective = Objective::radius_edge;
         sort_distinct(cells);
         for (std::size_t n = 0; n < cells.size() && changed.size() <= most_raised; ++n) {
             if (!is_above(most, cells[n]) || drawn_.are_constraint_limited(edit_.mesh.cell(cells[n])) ||
@@ -456,7 +458,7 @@ class HillClimber {
             changed.insert(changed.end(), edit_.changed.begin(), edit_.changed.end());
             cells.insert(cells.end(), edit_.changed.begin(), edit_.changed.end());
         }
-        edit_.lowers_ratios = false;
+        edit_.rule.objective = Objective::least_sine;
     }
 
     LocalRepairStats repair_sections(const RunContext& context, const std::vector<std::uint32_t>* look) {
@@ -542,7 +544,7 @@ class HillClimber {
         const std::size_t part = std::max(queue_.size() / speculative_part, least_speculations);
         speculations_.resize(std::min({part, most_speculations, queue_.size()}));
         next_speculation_ = 0;
-        for (Speculation& speculation : speculations_) {
+        for (EvaluatedCell& speculation : speculations_) {
             speculation = {queue_.top(), 0, {}};
             queue_.pop();
         }
@@ -550,17 +552,17 @@ class HillClimber {
         changed_in_.resize(edit_.mesh.point_count(), 0);
         parallel_for(speculations_.size(), 16, threads, [&](std::size_t first, std::size_t last) {
             EditContext local_edit = edit_;
-            local_edit.speculative = local_edit.local_only = true;
+            local_edit.speculation.active = local_edit.speculation.local_only = true;
             for (std::size_t n = first; n < last; ++n) {
-                Speculation& speculation = speculations_[n];
+                EvaluatedCell& speculation = speculations_[n];
                 if (!is_bad(speculation.bad)) continue;
-                local_edit.proposal = {};
+                local_edit.speculation.proposal = {};
                 while (speculation.first < speculative_tries &&
                        !attempt(local_edit, speculation.bad.cell, speculation.first)) {
                     ++speculation.first;
-                    local_edit.proposal = {};
+                    local_edit.speculation.proposal = {};
                 }
-                speculation.proposal = std::move(local_edit.proposal);
+                speculation.proposal = std::move(local_edit.speculation.proposal);
             }
         });
     }
@@ -590,7 +592,7 @@ class HillClimber {
     }
 
     // The worst cell of all that wait, and what speculation found out about it.
-    Speculation take_worst(int threads) {
+    EvaluatedCell take_worst(int threads) {
         if (next_speculation_ == speculations_.size() && threads > 1) speculate(threads);
         if (next_speculation_ < speculations_.size() &&
             (queue_.empty() || queue_.top() < speculations_[next_speculation_].bad))
@@ -605,7 +607,7 @@ class HillClimber {
         std::uint64_t gained = 0;
         left_.clear();
         while ((!queue_.empty() || next_speculation_ < speculations_.size()) && !has_raised_enough()) {
-            const Speculation worst = take_worst(threads);
+            const EvaluatedCell worst = take_worst(threads);
             const BadCell& bad = worst.bad;
             if (!queue_.empty()) edit_.mesh.prefetch_round(queue_.top().cell);
             if (!is_bad(bad)) continue;
@@ -645,7 +647,7 @@ class HillClimber {
     }
 
     // The operations in the order of their price; `speculation` tells of them, if nothing has changed there.
-    bool better(std::uint32_t cell, const Speculation* speculation) {
+    bool better(std::uint32_t cell, const EvaluatedCell* speculation) {
         int first = speculation ? speculation->first : 0;
         if (speculation && speculation->proposal.counter) {
             if (edit_.carry_out(speculation->proposal)) return true;
@@ -682,10 +684,10 @@ class HillClimber {
     bool relabels_cells_ = true;  // to the other side of an interface
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;
-    std::vector<std::uint32_t> watched_;     // what may be bad in the end
-    std::vector<Speculation> speculations_;  // that wait beside the queue, the worst first
-    std::size_t next_speculation_ = 0;       // those before it do not wait any more
-    std::uint32_t speculation_round_ = 0;    // number of the last one
+    std::vector<std::uint32_t> watched_;       // what may be bad in the end
+    std::vector<EvaluatedCell> speculations_;  // that wait beside the queue, the worst first
+    std::size_t next_speculation_ = 0;         // those before it do not wait any more
+    std::uint32_t speculation_round_ = 0;      // number of the last one
     // By vertex: after which round of speculation a cell at it changed last.
     std::vector<std::uint32_t> changed_in_;
 };

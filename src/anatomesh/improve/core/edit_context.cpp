@@ -11,81 +11,27 @@ namespace anatomesh {
 EditContext::EditContext(EditMesh& mesh_in, std::vector<std::uint8_t>& fixed,
                          std::span<const VertexPair> fixed_edges, const StructureField& field,
                          std::uint32_t structures, const DihedralOptions& options_in)
-    : mesh(mesh_in),
-      probe(field, structures),
-      options(options_in),
-      fixed_(fixed),
-      fixed_edges_(fixed_edges) {}
-
-bool EditContext::fixed_edge(std::uint32_t a, std::uint32_t b) const {
-    if (!fixed(a) || !fixed(b)) return false;
-    const VertexPair edge{std::min(a, b), std::max(a, b)};
-    return std::binary_search(fixed_edges_.begin(), fixed_edges_.end(), edge) ||
-           std::binary_search(split_edges_.begin(), split_edges_.end(), edge);
+    : mesh(mesh_in), constraints(fixed, fixed_edges), probe(field, structures), options(options_in) {
+    rule.max_radius_edge = options.max_radius_edge;
 }
 
 void EditContext::fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b) {
-    fix(v);
-    if (slices && slice_of(a) != no_slice && slice_of(a) == slice_of(b))
-        points_of_slices_.push_back({v, slice_of(a)});  // points come in order
-    for (const std::uint32_t end : {a, b}) fix_edge(v, end);
-}
-
-void EditContext::fix_edge(std::uint32_t a, std::uint32_t b) {
-    const VertexPair edge{std::min(a, b), std::max(a, b)};
-    split_edges_.insert(std::upper_bound(split_edges_.begin(), split_edges_.end(), edge), edge);
-}
-
-void EditContext::unfix_edge(std::uint32_t a, std::uint32_t b) {
-    const VertexPair edge{std::min(a, b), std::max(a, b)};
-    const auto at = std::lower_bound(split_edges_.begin(), split_edges_.end(), edge);
-    if (at != split_edges_.end() && *at == edge) split_edges_.erase(at);
-}
-
-void EditContext::keep_edge(std::uint32_t a, std::uint32_t b) {
-    const VertexPair edge{std::min(a, b), std::max(a, b)};
-    const auto at = std::lower_bound(kept_edges_.begin(), kept_edges_.end(), edge);
-    if (at == kept_edges_.end() || *at != edge) kept_edges_.insert(at, edge);
-}
-
-void EditContext::release_edge(std::uint32_t a, std::uint32_t b) {
-    std::erase(kept_edges_, VertexPair{std::min(a, b), std::max(a, b)});
-}
-
-bool EditContext::keeps_edge(std::uint32_t a, std::uint32_t b) const {
-    return std::binary_search(kept_edges_.begin(), kept_edges_.end(),
-                              VertexPair{std::min(a, b), std::max(a, b)});
-}
-
-bool EditContext::loses_kept_edge(std::span<const std::uint32_t> removed, std::span<const Cell> added) const {
-    if (kept_edges_.empty()) return false;
-    for (const std::uint32_t n : removed) {
-        const Cell& c = mesh.cell(n);
-        for (const auto& [i, j] : cell_edges) {
-            if (!fixed(c[i]) || !fixed(c[j])) continue;
-            const VertexPair edge{std::min(c[i], c[j]), std::max(c[i], c[j])};
-            if (!std::binary_search(kept_edges_.begin(), kept_edges_.end(), edge)) continue;
-            const auto has = [](const Cell& cell, std::uint32_t v) {
-                return std::find(cell.begin(), cell.end(), v) != cell.end();
-            };
-            if (std::none_of(added.begin(), added.end(),
-                             [&](const Cell& cell) { return has(cell, edge[0]) && has(cell, edge[1]); }))
-                return true;
-        }
+    constraints.fix(v);
+    if (rule.guards_sections) {
+        const std::uint32_t slice = slice_vertices_.slice_of(a, drawn->slice_of);
+        if (slice != no_slice && slice == slice_vertices_.slice_of(b, drawn->slice_of))
+            slice_vertices_.add(v, slice);
     }
-    return false;
+    for (const std::uint32_t end : {a, b}) constraints.fix_edge(v, end);
 }
 
-std::uint32_t EditContext::slice_of(std::uint32_t v) const {
-    if (v < slices->slice_of.size()) return slices->slice_of[v];
-    const auto found = std::lower_bound(points_of_slices_.begin(), points_of_slices_.end(), VertexPair{v, 0});
-    return found != points_of_slices_.end() && (*found)[0] == v ? (*found)[1] : no_slice;
-}
-
-bool EditContext::spoils_cut(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above, Region below) {
-    if (!slices) return false;
-    const std::uint32_t slice = slice_of(a);
-    if (slice == no_slice || slice_of(b) != slice || slice_of(c) != slice) return false;
+bool EditContext::spoils_section(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above,
+                                 Region below) {
+    if (!rule.guards_sections) return false;
+    const std::uint32_t slice = slice_vertices_.slice_of(a, drawn->slice_of);
+    if (slice == no_slice || slice_vertices_.slice_of(b, drawn->slice_of) != slice ||
+        slice_vertices_.slice_of(c, drawn->slice_of) != slice)
+        return false;
     const std::vector<std::uint32_t>&one = table->members[above], &other = table->members[below];
     std::vector<std::uint32_t> both;
     std::set_union(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(both));
@@ -115,12 +61,12 @@ QualityThreshold EditContext::threshold_of(std::span<const std::uint32_t> cells_
 double EditContext::value(const Cell& c, Region region, const QualityThreshold& threshold) const {
     if (!counts(region, c)) {
         const double outside = sine(c);
-        return outside > 0 && outside >= needed_outside_sine(threshold) ? 1 : -1;
+        return outside > 0 && outside >= rule.needed_outside_sine(threshold) ? 1 : -1;
     }
     const CellMeasures m =
         measure_cell(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
     const double inside = m.least_sine();
-    return inside > 0 && m.squared_ratio <= allowed_squared_ratio(threshold) ? inside : -1;
+    return inside > 0 && m.squared_ratio <= rule.allowed_squared_ratio(threshold) ? inside : -1;
 }
 
 bool EditContext::commit(std::span<const std::uint32_t> removed, std::span<const Cell> added,
@@ -129,11 +75,15 @@ bool EditContext::commit(std::span<const std::uint32_t> removed, std::span<const
         if (orient3d(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])) <= 0)
             return false;
     }
-    if (loses_kept_edge(removed, added)) return false;
-    if (speculative) {
-        proposal.cells.removed.assign(removed.begin(), removed.end());
-        proposal.cells.added.assign(added.begin(), added.end());
-        proposal.cells.regions.assign(new_regions.begin(), new_regions.end());
+    if (constraints.keeps_any_edge() && std::any_of(removed.begin(), removed.end(), [&](std::uint32_t n) {
+            return constraints.loses_kept_edge(mesh.cell(n), added);
+        }))
+        return false;
+    if (speculation.active) {
+        CellExchange& cells = speculation.proposal.cells;
+        cells.removed.assign(removed.begin(), removed.end());
+        cells.added.assign(added.begin(), added.end());
+        cells.regions.assign(new_regions.begin(), new_regions.end());
         return true;
     }
     mesh.replace(removed, added, new_regions, changed);
@@ -142,8 +92,10 @@ bool EditContext::commit(std::span<const std::uint32_t> removed, std::span<const
 
 std::uint32_t EditContext::split_ring(Vec3 at) {
     const std::uint32_t a = ring.a, b = ring.b;
-    const bool was_fixed = fixed_edge(a, b);
+    const bool was_fixed = constraints.fixed_edge(a, b);
     const std::uint32_t v = add_point(at);
+    std::vector<Cell>& cells = scratch.cells;
+    std::vector<Region>& regions = scratch.regions;
     cells.clear();
     regions.clear();
     for (const std::uint32_t c : ring.cells) {
@@ -159,9 +111,9 @@ std::uint32_t EditContext::split_ring(Vec3 at) {
 }
 
 bool EditContext::commit_move(std::uint32_t v, Vec3 to) {
-    if (speculative) {
-        proposal.vertex = v;
-        proposal.to = to;
+    if (speculation.active) {
+        speculation.proposal.vertex = v;
+        speculation.proposal.to = to;
         return true;
     }
     const Vec3 from = mesh.point(v);
@@ -195,11 +147,6 @@ bool EditContext::positive(std::span<const std::uint32_t> cells_in) const {
 
 void EditContext::look_between(Region here, Region there) {
     if (table) probe.focus_between(table->members[here], table->members[there]);
-}
-
-bool EditContext::near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c, double before) {
-    return facet_distance(mesh.point(a), mesh.point(b), mesh.point(c)) <=
-           std::max(before, options.max_deviation_mm);
 }
 
 std::array<std::uint32_t, 2> others_of_facet(const Cell& cell, int facet, std::uint32_t vertex) {

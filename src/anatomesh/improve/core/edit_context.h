@@ -2,33 +2,48 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "anatomesh/improve/core/acceptance_rule.h"
 #include "anatomesh/improve/core/dihedral_options.h"
+#include "anatomesh/improve/core/edit_constraints.h"
 #include "anatomesh/improve/core/local_star.h"
 #include "anatomesh/mesh/edit/edit_mesh.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {
 
-// What the cells of a cavity are now; their successors must be better.
-struct QualityThreshold {
-    double sine = 1;           // the worst inside
-    double outside_sine = 1;   // the worst outside
-    double squared_ratio = 0;  // the largest inside
-};
-
 // A change that an operation on a speculative context would make: cells exchanged, or a vertex moved.
 struct Proposal {
     CellExchange cells;
-    std::uint32_t vertex = no_cell;  // if any
+    std::uint32_t vertex = no_cell;  // the vertex that moves, if any
     Vec3 to;                         // its new place
-    std::uint32_t lone = no_cell;    // if any: a cell one edge of which must not be an edge of an interface;
-    int lone_edge = 0;               // what a local-only context leaves to be looked at
-    std::uint64_t DihedralStats::*counter = nullptr;
+    // If any: a cell one edge of which must not be an edge of an interface. A local-only context cannot see
+    // that.
+    std::uint32_t lone = no_cell;
+    int lone_edge = 0;
+    std::uint64_t DihedralStats::*counter = nullptr;  // counts changes of this kind; null: there is no change
+};
+
+// How a context evaluates operations on one of several threads.
+struct Speculation {
+    // The context leaves the mesh as it is: removals and moves say true where they may succeed, and false
+    // only where they would fail. Each thread may have one copy of a context.
+    bool active = false;
+    // Active, and the context looks at no cells but those with a vertex of the cell, or the vertex, in
+    // question: what fails on it does so as long as these cells stay.
+    bool local_only = false;
+    Proposal proposal;  // the last change that would have been made
+};
+
+// Lists that operations fill anew each time, so that they allocate nothing.
+struct EditScratch {
+    LocalStar local;
+    std::vector<std::uint32_t> others;  // a second star
+    std::vector<Cell> cells;            // new cells
+    std::vector<Region> regions;        // their regions
 };
 
 // The operations (operations.h) propose cavities; the edit context knows whether they gain and puts them in.
@@ -38,81 +53,39 @@ class EditContext {
                 const StructureField& field, std::uint32_t structures, const DihedralOptions& options);
 
     EditMesh& mesh;
+    const RegionTable* table = nullptr;  // of the mesh's regions
+    const DrawnSlices* drawn = nullptr;  // required where the rule guards sections or spares limited cells
+    EditConstraints constraints;
     InterfaceProbe probe;
     DihedralOptions options;
+    AcceptanceRule rule;
+    double goal = 0;  // a sine that is good enough: operations seek no better one
     DihedralStats stats;
-    const RegionTable* table = nullptr;   // of the mesh's regions
-    const DrawnSlices* slices = nullptr;  // if any: no operation makes their cuts less like what is drawn
-    // A copy of a context that is speculative leaves the mesh as it is: removals and moves say true where
-    // they may succeed, false only where they would fail. Each thread may have one.
-    bool speculative = false;
-    // Speculative, and it looks at no cells but those with a vertex of the cell, or the vertex, in question:
-    // what fails on such a context does so as long as these cells stay.
-    bool local_only = false;
-    Proposal proposal;             // if speculative: the last change that would have been made
-    bool moves_junctions = false;  // vertices where three or more regions meet may move
-    // If any: the shapes of cells at its constraint-limited vertices count as little as those of cells
-    // outside.
-    const DrawnSlices* spared = nullptr;
-    bool lowers_ratios = false;  // operations are judged by the largest ratio, not by the least sine
-    // The least sine of new cells; of those judged by ratio also the least there was, if that is not below
-    // least_lowered_sine, and no ratio above most_lowered_ratio.
-    double least_needed_sine = 0, least_lowered_sine = 0, most_lowered_ratio = HUGE_VAL;
-    double goal = 0;                     // sine that is good enough
+    Speculation speculation;
     std::vector<std::uint32_t> changed;  // cells that the last operation made or reshaped
+    std::vector<std::uint32_t> star;     // of the vertex, and
+    EdgeRing ring;                       // of the edge, that an operation looks at
+    EditScratch scratch;
 
-    bool fixed(std::uint32_t v) const { return fixed_[v] != 0; }
-    bool fixed_edge(std::uint32_t a, std::uint32_t b) const;
     std::uint32_t add_point(Vec3 p) {
-        fixed_.push_back(0);
+        constraints.add_free_vertex();
         return mesh.add_point(p);
     }
-
-    void fix(std::uint32_t v) { fixed_[v] = 1; }
-    void unfix(std::uint32_t v) { fixed_[v] = 0; }
-    // Fixed too, but for repair_section_locally(), which may move it once more.
-    void settle(std::uint32_t v) { fixed_[v] = settled_once; }
-    bool settled(std::uint32_t v) const { return fixed_[v] == settled_once; }
-    void fix_edge(std::uint32_t a, std::uint32_t b);
-    // Takes one fix_edge() back.
-    void unfix_edge(std::uint32_t a, std::uint32_t b);
-    // A point on a fixed edge, which becomes two.
+    // Fixes a vertex on a fixed edge, which becomes two.
     void fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b);
-
-    void keep_edge(std::uint32_t a, std::uint32_t b);  // whole, wherever it lies, until it is released
-    void release_edge(std::uint32_t a, std::uint32_t b);
-    void release_edges() { kept_edges_.clear(); }  // all
-    bool keeps_edge(std::uint32_t a, std::uint32_t b) const;
-    // Whether a facet between two regions lies in the plane of one of `slices`, so that the cut there has the
-    // structures of both, and these are not what is drawn there.
-    bool spoils_cut(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above, Region below);
+    // Whether the rule guards sections, and a facet between two regions lies in the plane of a slice, so that
+    // the section there has the structures of both, and these are not what is drawn there.
+    bool spoils_section(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above, Region below);
 
     double sine(const Cell& c) const;
     double sine(std::uint32_t c) const { return sine(mesh.cell(c)); }
 
     // Whether a cell of this region, and with these vertices among its own, is to be well shaped.
     bool counts(Region region, std::span<const std::uint32_t> vertices) const {
-        return region != 0 && !(spared && spared->are_constraint_limited(vertices));
+        return region != 0 && !(rule.spares_limited && drawn->are_constraint_limited(vertices));
     }
 
     QualityThreshold threshold_of(std::span<const std::uint32_t> cells) const;
-    // What a new cell must reach.
-    double needed_sine(const QualityThreshold& threshold) const {
-        if (lowers_ratios) return std::max(std::min(threshold.sine, least_needed_sine), least_lowered_sine);
-        return std::max(threshold.sine + min_gain * (0.02 + threshold.sine), least_needed_sine);
-    }
-    double needed_outside_sine(const QualityThreshold& threshold) const {
-        return std::min(threshold.outside_sine, flat_outside);
-    }
-    double allowed_squared_ratio(const QualityThreshold& threshold) const {
-        return allowed_squared_ratio(threshold, options.max_radius_edge);
-    }
-    double allowed_squared_ratio(const QualityThreshold& threshold, double most) const {
-        if (!lowers_ratios) return std::max(threshold.squared_ratio, most * most);
-        return std::max(
-            std::min(lower_ratio * threshold.squared_ratio, most_lowered_ratio * most_lowered_ratio),
-            most * most);
-    }
     // The sine of a new cell, negative if it may not be; cells outside that may be count as perfect.
     double value(const Cell& c, Region region, const QualityThreshold& threshold) const;
 
@@ -122,48 +95,28 @@ class EditContext {
                 std::span<const Region> regions);
 
     // Puts a vertex, which it returns, on the edge of `ring`, near its line: each of the cells round it
-    // becomes two. no_cell, if one of them would not be positive. What was fixed is fixed on.
+    // becomes two. Returns no_cell if one of them would not be positive. A fixed edge becomes two.
     std::uint32_t split_ring(Vec3 at);
 
     // Moves a vertex, `star` the cells at it, if all of these stay positive, exactly.
     bool commit_move(std::uint32_t v, Vec3 to);
-    // Makes the change that a speculative context proposed, if it may be; what it looked at is as it was.
+    // Makes the change that a speculative context proposed, if it may be. Requires: what that context looked
+    // at is as it was.
     bool carry_out(const Proposal& change);
     void count(std::uint64_t DihedralStats::*counter) {
         ++(stats.*counter);
-        proposal.counter = counter;
+        speculation.proposal.counter = counter;
     }
 
     bool positive(std::span<const std::uint32_t> cells) const;  // exactly
 
     // From now on the probe knows the surfaces between these regions alone.
     void look_between(Region here, Region there);
-    // Whether a facet of these surfaces lies near enough to the field's: its centroid within the bound, or
-    // not farther than `before`.
-    bool near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c, double before);
+    // Distance of a facet's centroid from the surfaces that the probe knows, mm.
     double facet_distance(Vec3 a, Vec3 b, Vec3 c) { return probe.distance((1.0 / 3.0) * (a + b + c)); }
 
-    // Scratch space of the operations.
-    EdgeRing ring;
-    LocalStar local;
-    std::vector<std::uint32_t> star, cavity, others;
-    std::vector<Cell> cells;
-    std::vector<Region> regions;
-
   private:
-    std::uint32_t slice_of(std::uint32_t v) const;
-    bool loses_kept_edge(std::span<const std::uint32_t> removed, std::span<const Cell> added) const;
-
-    static constexpr std::uint8_t settled_once = 2;
-    static constexpr double min_gain = 0.02;
-    static constexpr double flat_outside = 0.01;
-    static constexpr double lower_ratio = 0.8;  // squared
-
-    std::vector<std::uint8_t>& fixed_;
-    std::span<const VertexPair> fixed_edges_;
-    // Sorted: those that fixed edges were split into; those that stay, of which all ends are fixed; points on
-    // fixed edges in a slice, and the slice.
-    std::vector<VertexPair> split_edges_, kept_edges_, points_of_slices_;
+    SliceVertices slice_vertices_;
 };
 
 // The other two corners of a cell's facet at a vertex, in the facet's order.

@@ -56,12 +56,12 @@ double Hole::value(const Facet& f, Vec3 p) const {
 
 // The cells as LocalStar is to see them; the least sine with the vertex at p.
 double Hole::begin_round(Vec3 p, const QualityThreshold& threshold) {
-    edit_.local.reset(edit_.needed_outside_sine(threshold), squared_ratio_);
+    edit_.scratch.local.reset(edit_.rule.needed_outside_sine(threshold), squared_ratio_);
     double least = 1;
     for (const Facet& f : facets_) {
         const Vec3 a = edit_.mesh.point(f.v[0]), b = edit_.mesh.point(f.v[1]), c = edit_.mesh.point(f.v[2]);
         const bool counts = edit_.counts(f.region, f.v);
-        edit_.local.add(a, b, c, counts);
+        edit_.scratch.local.add(a, b, c, counts);
         if (counts) least = std::min(least, least_sine(p, a, b, c));
     }
     return least;
@@ -125,7 +125,7 @@ bool Hole::keeps_vertices() const {
     for (const std::uint32_t c : cells_) {
         for (const std::uint32_t v : edit_.mesh.cell(c)) {
             if (!std::binary_search(rim.begin(), rim.end(), v) &&
-                (edit_.fixed(v) || edit_.mesh.vertex_on_interface(v))) {
+                (edit_.constraints.fixed(v) || edit_.mesh.vertex_on_interface(v))) {
                 return false;
             }
         }
@@ -135,13 +135,13 @@ bool Hole::keeps_vertices() const {
 
 bool Hole::commit(Vec3 p) {
     const std::uint32_t v = edit_.add_point(p);
-    edit_.cells.clear();
-    edit_.regions.clear();
+    edit_.scratch.cells.clear();
+    edit_.scratch.regions.clear();
     for (const Facet& f : facets_) {
-        edit_.cells.push_back({v, f.v[0], f.v[1], f.v[2]});
-        edit_.regions.push_back(f.region);
+        edit_.scratch.cells.push_back({v, f.v[0], f.v[1], f.v[2]});
+        edit_.scratch.regions.push_back(f.region);
     }
-    return edit_.commit(cells_, edit_.cells, edit_.regions);
+    return edit_.commit(cells_, edit_.scratch.cells, edit_.scratch.regions);
 }
 
 }  // namespace anatomesh

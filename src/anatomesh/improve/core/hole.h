@@ -46,7 +46,7 @@ class Hole {
     bool fill(Vec3 p, Vec3 normal, double max_radius_edge, NeededSine&& needed_sine, Adjust&& adjust) {
         if (!adjust(p)) return false;
         const auto ascend = [&](double here) {
-            return edit_.local.ascend(p, here, edit_.goal, normal, adjust);
+            return edit_.scratch.local.ascend(p, here, edit_.goal, normal, adjust);
         };
         return fill(p, max_radius_edge, needed_sine, ascend);
     }
@@ -65,9 +65,9 @@ class Hole {
         bool allowed = false;
         for (int round = 0;; ++round) {
             threshold = edit_.threshold_of(cells_);
-            squared_ratio_ = edit_.allowed_squared_ratio(threshold, max_radius_edge);
+            squared_ratio_ = edit_.rule.allowed_squared_ratio(threshold, max_radius_edge);
             reached = ascend(begin_round(p, threshold));
-            allowed = edit_.local.worst(p, reached) >= reached;
+            allowed = edit_.scratch.local.worst(p, reached) >= reached;
             if ((allowed && reached >= edit_.goal) || round == rounds || !grow(p)) break;
         }
         return allowed && reached >= needed_sine(threshold) && keeps_vertices() && commit(p);

@@ -54,7 +54,8 @@ bool QualityGate::any_distance(std::uint32_t c, double reach_mm, const Is& is) {
                                     edit_.mesh.point(cell[f[2]]))))
             return true;
         for (const int k : f) {
-            if (!edit_.fixed(cell[k]) && is(edit_.probe.distance(edit_.mesh.point(cell[k]), reach_mm)))
+            if (!edit_.constraints.fixed(cell[k]) &&
+                is(edit_.probe.distance(edit_.mesh.point(cell[k]), reach_mm)))
                 return true;
         }
     }

@@ -41,8 +41,9 @@ inline std::array<std::size_t, 2> worth_at(const EditContext& edit, std::uint32_
     std::size_t fixed = 0;
     for (const std::uint32_t c : cells) {
         const Cell& cell = edit.mesh.cell(c);
-        fixed += static_cast<std::size_t>(std::count_if(
-            cell.begin(), cell.end(), [&](std::uint32_t x) { return edit.fixed_edge(vertex, x); }));
+        fixed += static_cast<std::size_t>(std::count_if(cell.begin(), cell.end(), [&](std::uint32_t x) {
+            return edit.constraints.fixed_edge(vertex, x);
+        }));
     }
     return {fixed, cells.size()};
 }

@@ -46,7 +46,7 @@ SurfaceCount::SurfaceCount(EditContext& edit, const ContourOwners& owners,
             owned_.push_back({edge.a, edge.b, edge.cell, subsegment.structure, edge.index});
             known = true;
         }
-        if (known || !edit.fixed_edge(edge.a, edge.b)) continue;
+        if (known || !edit.constraints.fixed_edge(edge.a, edge.b)) continue;
         for (const std::uint32_t s : structures_)
             owned_.push_back({edge.a, edge.b, edge.cell, s, edge.index});
     }

@@ -91,7 +91,7 @@ std::uint32_t SurfaceIncidence::next_in_row(std::uint32_t at, std::uint32_t a, s
     edit_.mesh.star(at, edit_.star);
     for (const std::uint32_t c : edit_.star) {
         for (const std::uint32_t v : edit_.mesh.cell(c)) {
-            if (v == at || (v != b && !edit_.fixed_edge(at, v))) continue;
+            if (v == at || (v != b && !edit_.constraints.fixed_edge(at, v))) continue;
             const Vec3 step = edit_.mesh.point(v) - from;
             const double along = dot(step, way);
             if (along <= 0 || (next != no_cell && along >= least)) continue;

@@ -9,8 +9,8 @@ namespace {
 
 // Whether (a, b, c) is a facet between two regions. Uses context.others.
 bool is_surface_facet(EditContext& edit, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    edit.mesh.star(a, edit.others);
-    for (const std::uint32_t n : edit.others) {
+    edit.mesh.star(a, edit.scratch.others);
+    for (const std::uint32_t n : edit.scratch.others) {
         const Cell& cell = edit.mesh.cell(n);
         for (int i = 0; i < 4; ++i) {
             if (cell[i] == a || cell[i] == b || cell[i] == c) continue;
@@ -54,7 +54,7 @@ bool may_leave_surface(EditContext& edit, std::uint32_t from, std::uint32_t to, 
         const Vec3 pu = edit.mesh.point(u), pw = edit.mesh.point(w);
         const Vec3 old_normal = cross(pu - p, pw - p), new_normal = cross(pu - q, pw - q);
         if (!(dot(old_normal, new_normal) > 0.5 * length(old_normal) * length(new_normal))) return false;
-        if (edit.spoils_cut(to, u, w, side, other) ||
+        if (edit.spoils_section(to, u, w, side, other) ||
             !(edit.facet_distance(q, pu, pw) <= std::max(before, most_distance)))
             return false;
     }
@@ -67,8 +67,8 @@ bool may_leave_surface(EditContext& edit, std::uint32_t from, std::uint32_t to, 
     for (const auto& [u, w] : rim) {
         if (u != to && std::find(across.begin(), across.end(), u) == across.end()) rest.push_back(u);
     }
-    edit.mesh.star(to, edit.others);
-    for (const std::uint32_t c : edit.others) {
+    edit.mesh.star(to, edit.scratch.others);
+    for (const std::uint32_t c : edit.scratch.others) {
         const Cell& cell = edit.mesh.cell(c);
         for (int e = 0; e < 6; ++e) {
             const std::uint32_t a = cell[cell_edges[e][0]], b = cell[cell_edges[e][1]];
@@ -87,11 +87,11 @@ bool collapse(EditContext& edit, std::uint32_t cell, int e, bool first_onto_seco
     const std::uint32_t a = edit.mesh.cell(cell)[cell_edges[e][0]],
                         b = edit.mesh.cell(cell)[cell_edges[e][1]];
     const std::uint32_t from = first_onto_second ? a : b, to = first_onto_second ? b : a;
-    if (edit.fixed(from)) return false;
+    if (edit.constraints.fixed(from)) return false;
     edit.mesh.star(from, edit.star);
     const QualityThreshold threshold = edit.threshold_of(edit.star);
-    edit.cells.clear();
-    edit.regions.clear();
+    edit.scratch.cells.clear();
+    edit.scratch.regions.clear();
     bool surface = false;
     for (const std::uint32_t c : edit.star) {
         surface = surface || edit.mesh.region(c) != edit.mesh.region(cell);
@@ -99,18 +99,18 @@ bool collapse(EditContext& edit, std::uint32_t cell, int e, bool first_onto_seco
         if (std::find(moved.begin(), moved.end(), to) != moved.end()) continue;
         std::replace(moved.begin(), moved.end(), from, to);
         if (!may_be(moved, edit.mesh.region(c), threshold)) return false;
-        edit.cells.push_back(moved);
-        edit.regions.push_back(edit.mesh.region(c));
+        edit.scratch.cells.push_back(moved);
+        edit.scratch.regions.push_back(edit.mesh.region(c));
     }
     if (surface && !may_leave_surface(edit, from, to, most_distance)) return false;
-    return edit.commit(edit.star, edit.cells, edit.regions);
+    return edit.commit(edit.star, edit.scratch.cells, edit.scratch.regions);
 }
 
 }  // namespace
 
 bool collapse_edge(EditContext& edit, std::uint32_t cell, int e, bool first_onto_second) {
     const auto better = [&](const Cell& moved, Region region, const QualityThreshold& threshold) {
-        return edit.value(moved, region, threshold) >= edit.needed_sine(threshold);
+        return edit.value(moved, region, threshold) >= edit.rule.needed_sine(threshold);
     };
     if (!collapse(edit, cell, e, first_onto_second, edit.options.max_deviation_mm, better)) return false;
     ++edit.stats.edges_collapsed;
@@ -120,7 +120,7 @@ bool collapse_edge(EditContext& edit, std::uint32_t cell, int e, bool first_onto
 bool collapse_edge_within(EditContext& edit, std::uint32_t cell, int e, bool first_onto_second,
                           double least_sine_inside, double most_ratio) {
     const auto good_enough = [&](const Cell& moved, Region region, const QualityThreshold& threshold) {
-        if (region == 0) return edit.sine(moved) >= edit.needed_outside_sine(threshold);
+        if (region == 0) return edit.sine(moved) >= edit.rule.needed_outside_sine(threshold);
         const CellMeasures m = measure_cell(edit.mesh.point(moved[0]), edit.mesh.point(moved[1]),
                                             edit.mesh.point(moved[2]), edit.mesh.point(moved[3]));
         return m.least_sine() >= std::min(threshold.sine, least_sine_inside) &&

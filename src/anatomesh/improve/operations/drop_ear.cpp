@@ -43,7 +43,7 @@ bool drop_ear(EditContext& edit, std::uint32_t cell, double least_sine_inside) {
     const Ear ear = ear_of(edit, cell);
     if (ear.tip < 0) return false;
     const Cell& c = edit.mesh.cell(cell);
-    if (edit.fixed(c[ear.tip])) return false;
+    if (edit.constraints.fixed(c[ear.tip])) return false;
     const auto& base = facet_vertices[ear.tip];
     const Vec3 tip = edit.mesh.point(c[ear.tip]), p = edit.mesh.point(c[base[0]]),
                q = edit.mesh.point(c[base[1]]), r = edit.mesh.point(c[base[2]]);

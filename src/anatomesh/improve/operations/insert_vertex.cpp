@@ -67,10 +67,10 @@ bool insert_vertex(EditContext& edit, std::uint32_t cell, int e) {
         }
         ++changes;
     }
-    if (changes > 2 || (changes == 2 && edit.fixed_edge(edit.ring.a, edit.ring.b))) return false;
+    if (changes > 2 || (changes == 2 && edit.constraints.fixed_edge(edit.ring.a, edit.ring.b))) return false;
     const Vec3 middle = 0.5 * (edit.mesh.point(edit.ring.a) + edit.mesh.point(edit.ring.b));
-    const double most = edit.options.max_radius_edge;
-    const auto better = [&](const QualityThreshold& threshold) { return edit.needed_sine(threshold); };
+    const double most = edit.rule.max_radius_edge;
+    const auto better = [&](const QualityThreshold& threshold) { return edit.rule.needed_sine(threshold); };
     Hole hole(edit, edit.ring);
     bool done = false;
     if (changes == 2) {

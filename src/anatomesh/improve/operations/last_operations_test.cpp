@@ -122,7 +122,8 @@ TEST(LastOperations, giving_cells_away_leaves_the_cuts_by_slices) {
     const std::vector<std::uint32_t> in_one_slice(c.mesh.points.size(), 0);
     const DrawnSlices slices{&c.regions, in_one_slice};
     EditFixture free(c), held(c);
-    held.edit.slices = &slices;
+    held.edit.drawn = &slices;
+    held.edit.rule.guards_sections = true;
     const std::size_t relabelled = held.try_all(relabel_cell);
     EXPECT_GT(relabelled, 0u);
     EXPECT_GT(free.try_all(relabel_cell), relabelled);
@@ -236,7 +237,7 @@ TEST(LastOperations, junctions_move_within_the_bound_and_only_uphill) {
         for (const bool allowed : {false, true}) {
             EditFixture edit(c);
             edit.edit.options.max_deviation_mm = 0.2;
-            edit.edit.moves_junctions = allowed;
+            edit.edit.rule.moves_junctions = allowed;
             const double before = worst_sine(c.mesh);
             const std::size_t tried = edit.try_all([&](EditContext& on, std::uint32_t cell) {
                 if (on.sine(cell) >= 0.25) return false;
@@ -271,9 +272,9 @@ TEST(LastOperations, those_for_ratios_lower_them_and_spare_good_angles) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
         EditFixture edit(c);
-        edit.edit.options.max_radius_edge = most;
-        edit.edit.lowers_ratios = true;
-        edit.edit.least_needed_sine = least_sine;
+        edit.edit.rule.max_radius_edge = most;
+        edit.edit.rule.objective = Objective::radius_edge;
+        edit.edit.rule.least_sine = least_sine;
         const auto is_high = [&](std::uint32_t cell) {
             return edit.mesh.alive(cell) && edit.mesh.region(cell) != 0 &&
                    edit.edit.threshold_of({&cell, 1}).squared_ratio > most * most;

@@ -117,15 +117,16 @@ class Shift {
 }  // namespace
 
 bool move_vertex(EditContext& edit, std::uint32_t v) {
-    if (edit.fixed(v)) return false;
-    if (edit.speculative) {
+    if (edit.constraints.fixed(v)) return false;
+    if (edit.speculation.active) {
         edit.mesh.shared_star(v, edit.star);
     } else {
         edit.mesh.star(v, edit.star);
     }
     const QualityThreshold threshold = edit.threshold_of(edit.star);
-    const double needed = edit.needed_sine(threshold);
-    edit.local.reset(edit.needed_outside_sine(threshold), edit.allowed_squared_ratio(threshold));
+    const double needed = edit.rule.needed_sine(threshold);
+    edit.scratch.local.reset(edit.rule.needed_outside_sine(threshold),
+                             edit.rule.allowed_squared_ratio(threshold));
     bool surface = false;
     for (const std::uint32_t c : edit.star) {
         const Cell& cell = edit.mesh.cell(c);
@@ -134,19 +135,19 @@ bool move_vertex(EditContext& edit, std::uint32_t v) {
         while (cell[i] != v) ++i;
         // (p, facet) is positive when the facet runs counter-clockwise seen from outside.
         const auto& f = facet_vertices[i];
-        edit.local.add(edit.mesh.point(cell[f[0]]), edit.mesh.point(cell[f[1]]), edit.mesh.point(cell[f[2]]),
-                       edit.counts(edit.mesh.region(c), cell));
+        edit.scratch.local.add(edit.mesh.point(cell[f[0]]), edit.mesh.point(cell[f[1]]),
+                               edit.mesh.point(cell[f[2]]), edit.counts(edit.mesh.region(c), cell));
     }
     SurfaceFan fan;
     const bool junction = surface && !surface_fan(edit, v, fan);
-    if (junction && !edit.moves_junctions) return false;
+    if (junction && !edit.rule.moves_junctions) return false;
     const Vec3 from = edit.mesh.point(v);
     Vec3 p = from;
     const auto always = [](Vec3&) { return true; };
     const double reached =
-        junction  ? edit.local.ascend(p, threshold.sine, edit.goal, {}, Shift(edit, v))
-        : surface ? edit.local.ascend(p, threshold.sine, edit.goal, fan.normal, Slide(edit, v, fan))
-                  : edit.local.ascend(p, threshold.sine, edit.goal, {}, always);
+        junction  ? edit.scratch.local.ascend(p, threshold.sine, edit.goal, {}, Shift(edit, v))
+        : surface ? edit.scratch.local.ascend(p, threshold.sine, edit.goal, fan.normal, Slide(edit, v, fan))
+                  : edit.scratch.local.ascend(p, threshold.sine, edit.goal, {}, always);
     if (reached < needed || p == from || !edit.commit_move(v, p)) return false;
     edit.count(surface ? &DihedralStats::surface_vertices_moved : &DihedralStats::vertices_moved);
     return true;

@@ -55,9 +55,9 @@ class SurfaceChange {
   private:
     // Whether a vertex, or an edge, must stay on the surface: of those that are fixed all where nothing is
     // known of owners.
-    bool must_have(std::uint32_t v) const { return edit_.fixed(v) && is_owner(v); }
+    bool must_have(std::uint32_t v) const { return edit_.constraints.fixed(v) && is_owner(v); }
     bool must_have(std::uint32_t a, std::uint32_t b) const {
-        return edit_.fixed_edge(a, b) && is_owner(a) && is_owner(b);
+        return edit_.constraints.fixed_edge(a, b) && is_owner(a) && is_owner(b);
     }
     bool is_owner(std::uint32_t v) const {
         return !owners_ || !owners_->knows(v) || (!part_.is_region && owners_->has(v, part_.number));
@@ -144,7 +144,7 @@ bool keeps_near(EditContext& edit, std::span<const std::uint32_t> cells, Region 
                     before = std::max(before, distance());
                     if (beyond == to) wall.add(p, q, r);
                 } else if (!was && beyond != to) {
-                    if (edit.spoils_cut(cell[f[0]], cell[f[1]], cell[f[2]], beyond, to)) return false;
+                    if (edit.spoils_section(cell[f[0]], cell[f[1]], cell[f[2]], beyond, to)) return false;
                     const bool stays =
                         still > 0 && beyond == own && wall.is_within(still, (1.0 / 3) * (p + q + r));
                     if (!stays && distance() > std::max(before, most)) return false;
@@ -170,7 +170,7 @@ bool has_near_vertices(EditContext& edit, std::uint32_t cell, Region to, double 
     edit.look_between(edit.mesh.region(cell), to);
     const Cell& c = edit.mesh.cell(cell);
     return std::all_of(c.begin(), c.end(), [&](std::uint32_t v) {
-        return edit.fixed(v) || edit.probe.distance(edit.mesh.point(v), most) <= most;
+        return edit.constraints.fixed(v) || edit.probe.distance(edit.mesh.point(v), most) <= most;
     });
 }
 

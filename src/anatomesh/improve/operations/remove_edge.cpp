@@ -73,9 +73,9 @@ class RingTriangulation {
             const auto [i, j] = stack[--height];
             if (j - i < 2) continue;
             const int k = apex_[i][j];
-            edit_.cells.push_back(upper(i, k, j));
-            edit_.cells.push_back(lower(i, k, j));
-            edit_.regions.insert(edit_.regions.end(), 2, region_);
+            edit_.scratch.cells.push_back(upper(i, k, j));
+            edit_.scratch.cells.push_back(lower(i, k, j));
+            edit_.scratch.regions.insert(edit_.scratch.regions.end(), 2, region_);
             stack[height++] = {i, k};
             stack[height++] = {k, j};
         }
@@ -119,8 +119,8 @@ int edge_between(const Cell& cell, std::uint32_t u, std::uint32_t v) {
 // The facets abc, abd of an interface become acd, bcd: near enough to the field's interface, and not folded?
 bool may_flip(EditContext& edit, std::uint32_t c, std::uint32_t d, Region above, Region below) {
     const std::uint32_t a = edit.ring.a, b = edit.ring.b;
-    if (edit.fixed_edge(a, b) || edit.spoils_cut(a, c, d, above, below) ||
-        edit.spoils_cut(b, c, d, above, below))
+    if (edit.constraints.fixed_edge(a, b) || edit.spoils_section(a, c, d, above, below) ||
+        edit.spoils_section(b, c, d, above, below))
         return false;
     const Vec3 pa = edit.mesh.point(a), pb = edit.mesh.point(b), pc = edit.mesh.point(c),
                pd = edit.mesh.point(d);
@@ -151,9 +151,9 @@ bool remove_surface_edge(EditContext& edit, const RingFacets& facets, const Qual
     if (arc == 1 || arc == size - 1) {
         const std::uint32_t lone = edit.ring.cells[static_cast<std::size_t>(arc == 1 ? from : to)];
         const int edge = edge_between(edit.mesh.cell(lone), c, d);
-        if (edit.local_only) {
-            edit.proposal.lone = lone;
-            edit.proposal.lone_edge = edge;
+        if (edit.speculation.local_only) {
+            edit.speculation.proposal.lone = lone;
+            edit.speculation.proposal.lone_edge = edge;
         } else if (edit.mesh.edge_on_interface(lone, edge)) {
             return false;
         }
@@ -164,7 +164,8 @@ bool remove_surface_edge(EditContext& edit, const RingFacets& facets, const Qual
                !triangulation.append(to, size - arc + 1, beyond, needed)) {
         return false;
     }
-    return may_flip(edit, c, d, between, beyond) && edit.commit(edit.ring.cells, edit.cells, edit.regions);
+    return may_flip(edit, c, d, between, beyond) &&
+           edit.commit(edit.ring.cells, edit.scratch.cells, edit.scratch.regions);
 }
 
 }  // namespace
@@ -176,17 +177,17 @@ bool remove_edge(EditContext& edit, std::uint32_t cell, int e) {
     const RingFacets facets = interface_facets(edit);
     if (facets.count > 2) return false;
     const QualityThreshold threshold = edit.threshold_of(edit.ring.cells);
-    edit.cells.clear();
-    edit.regions.clear();
+    edit.scratch.cells.clear();
+    edit.scratch.regions.clear();
     if (facets.count == 2) {
-        if (!remove_surface_edge(edit, facets, threshold, edit.needed_sine(threshold))) return false;
+        if (!remove_surface_edge(edit, facets, threshold, edit.rule.needed_sine(threshold))) return false;
         edit.count(&DihedralStats::surface_edges_flipped);
         return true;
     }
     if (!RingTriangulation(edit, threshold)
-             .append(0, size, edit.mesh.region(cell), edit.needed_sine(threshold)))
+             .append(0, size, edit.mesh.region(cell), edit.rule.needed_sine(threshold)))
         return false;
-    if (!edit.commit(edit.ring.cells, edit.cells, edit.regions)) return false;
+    if (!edit.commit(edit.ring.cells, edit.scratch.cells, edit.scratch.regions)) return false;
     edit.count(&DihedralStats::edges_removed);
     return true;
 }
@@ -198,8 +199,8 @@ bool flip_edge(EditContext& edit, std::uint32_t cell, int e, double good_sine) {
     const RingFacets facets = interface_facets(edit);
     if (facets.count != 2) return false;
     const QualityThreshold threshold = edit.threshold_of(edit.ring.cells);
-    edit.cells.clear();
-    edit.regions.clear();
+    edit.scratch.cells.clear();
+    edit.scratch.regions.clear();
     if (!remove_surface_edge(edit, facets, threshold, std::min(threshold.sine, good_sine))) return false;
     edit.count(&DihedralStats::surface_edges_smoothed);
     return true;

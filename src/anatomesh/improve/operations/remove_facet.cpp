@@ -16,7 +16,7 @@ bool remove_facet(EditContext& edit, std::uint32_t cell, int facet) {
     }
     const std::array<std::uint32_t, 2> removed{cell, beyond};
     const QualityThreshold threshold = edit.threshold_of(removed);
-    const double needed = edit.needed_sine(threshold);
+    const double needed = edit.rule.needed_sine(threshold);
     // Seen from `above` the facet runs counter-clockwise.
     std::array<Cell, 3> added;
     for (std::size_t n = 0; n < 3; ++n) {

@@ -33,13 +33,13 @@ bool split_edge(EditContext& edit, std::uint32_t cell, int e) {
     edit.mesh.ring(cell, e, edit.ring);
     if (!edit.ring.closed) return false;
     const std::uint32_t a = edit.ring.a, b = edit.ring.b;
-    const bool fixed = edit.fixed_edge(a, b);
+    const bool fixed = edit.constraints.fixed_edge(a, b);
     const Vec3 from = edit.mesh.point(a), way = edit.mesh.point(b) - from;
-    const auto better = [&](const QualityThreshold& threshold) { return edit.needed_sine(threshold); };
+    const auto better = [&](const QualityThreshold& threshold) { return edit.rule.needed_sine(threshold); };
     const auto fill = [&](Hole hole) {
         for (const double share : shares) {
             Hole tried = hole;
-            if (!tried.fill_from(from + share * way, edit.options.max_radius_edge, better)) continue;
+            if (!tried.fill_from(from + share * way, edit.rule.max_radius_edge, better)) continue;
             if (fixed) edit.fix_on_edge(static_cast<std::uint32_t>(edit.mesh.point_count() - 1), a, b);
             ++edit.stats.vertices_inserted;
             return true;
@@ -61,8 +61,8 @@ bool split_facet(EditContext& edit, std::uint32_t cell, int facet) {
     Vec3 middle{};
     for (const int n : facet_vertices[facet])
         middle = middle + (1.0 / 3) * edit.mesh.point(edit.mesh.cell(cell)[n]);
-    const auto better = [&](const QualityThreshold& threshold) { return edit.needed_sine(threshold); };
-    const double most = edit.options.max_radius_edge;
+    const auto better = [&](const QualityThreshold& threshold) { return edit.rule.needed_sine(threshold); };
+    const double most = edit.rule.max_radius_edge;
     Hole hole(edit, {cell, beyond}, {});
     const bool inside = edit.mesh.region(cell) == edit.mesh.region(beyond);
     const bool done = inside ? hole.fill(middle, {}, most, better, [](Vec3&) { return true; })
@@ -73,9 +73,9 @@ bool split_facet(EditContext& edit, std::uint32_t cell, int facet) {
 
 bool split_cell(EditContext& edit, std::uint32_t cell) {
     Hole hole(edit, {cell}, {});
-    const auto better = [&](const QualityThreshold& threshold) { return edit.needed_sine(threshold); };
+    const auto better = [&](const QualityThreshold& threshold) { return edit.rule.needed_sine(threshold); };
     const bool done =
-        hole.fill(hole.centre(), {}, edit.options.max_radius_edge, better, [](Vec3&) { return true; });
+        hole.fill(hole.centre(), {}, edit.rule.max_radius_edge, better, [](Vec3&) { return true; });
     edit.stats.vertices_inserted += done;
     return done;
 }
@@ -84,13 +84,13 @@ bool insert_beside(EditContext& edit, std::uint32_t cell) {
     const Vec3 across = across_largest_facet(edit, cell);
     Vec3 middle{};
     for (const std::uint32_t v : edit.mesh.cell(cell)) middle += 0.25 * edit.mesh.point(v);
-    const auto better = [&](const QualityThreshold& threshold) { return edit.needed_sine(threshold); };
+    const auto better = [&](const QualityThreshold& threshold) { return edit.rule.needed_sine(threshold); };
     const auto anywhere = [](Vec3&) { return true; };
     for (const double height : heights) {
         for (const double side : {1.0, -1.0}) {
             const Vec3 p = middle + (side * height) * across;
             // The hole grows to where the vertex is.
-            if (!Hole(edit, {cell}, {}).fill(p, {}, edit.options.max_radius_edge, better, anywhere)) continue;
+            if (!Hole(edit, {cell}, {}).fill(p, {}, edit.rule.max_radius_edge, better, anywhere)) continue;
             ++edit.stats.vertices_inserted;
             return true;
         }

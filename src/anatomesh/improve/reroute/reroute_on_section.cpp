@@ -356,11 +356,11 @@ class SectionRerouting {
             const double from_p = length(place - edit_.mesh.point(node.p)),
                          from_q = length(place - edit_.mesh.point(node.q));
             const std::uint32_t v = from_p < from_q ? node.p : node.q;
-            if (edit_.fixed(v) || std::min(from_p, from_q) > near * (from_p + from_q)) continue;
+            if (edit_.constraints.fixed(v) || std::min(from_p, from_q) > near * (from_p + from_q)) continue;
             edit_.mesh.star(v, edit_.star);
             if (!edit_.commit_move(v, place)) continue;
             done.changed.insert(done.changed.end(), edit_.star.begin(), edit_.star.end());
-            edit_.fix(v);
+            edit_.constraints.fix(v);
             done.moved.push_back(v);
         }
         return done.moved.size() > before;
@@ -372,23 +372,23 @@ class SectionRerouting {
         for (const auto& [node, place] : way.points) {
             if (node.is_vertex()) {
                 vertices.push_back(node.p);
-                if (edit_.fixed(node.p)) continue;
-                edit_.fix(node.p);
+                if (edit_.constraints.fixed(node.p)) continue;
+                edit_.constraints.fix(node.p);
                 done.moved.push_back(node.p);
                 continue;
             }
             if (!incidence_.find_ring(node.p, node.q)) return false;
-            const bool is_on_contour = edit_.fixed_edge(node.p, node.q);
+            const bool is_on_contour = edit_.constraints.fixed_edge(node.p, node.q);
             const std::uint32_t v = edit_.split_ring(place);
             if (v == no_cell) return false;
-            edit_.fix(v);
+            edit_.constraints.fix(v);
             if (!is_on_contour) done.moved.push_back(v);
             done.changed.insert(done.changed.end(), edit_.changed.begin(), edit_.changed.end());
             vertices.push_back(v);
         }
         for (std::size_t n = 1; n < vertices.size(); ++n) {
             if (!incidence_.on_surface(vertices[n - 1], vertices[n], structure)) return false;
-            edit_.fix_edge(vertices[n - 1], vertices[n]);
+            edit_.constraints.fix_edge(vertices[n - 1], vertices[n]);
             done.fixed.push_back({vertices[n - 1], vertices[n]});
         }
         return true;
@@ -462,12 +462,12 @@ class SectionRerouting {
                        VertexPair{std::min(subsegment[0], subsegment[1]),
                                   std::max(subsegment[0], subsegment[1])} == edge;
             };
-            if (edit_.keeps_edge(edge[0], edge[1]) &&
+            if (edit_.constraints.keeps_edge(edge[0], edge[1]) &&
                 std::none_of(drawn_.subsegments_beside.begin(), drawn_.subsegments_beside.end(),
                              is_of_another))
                 done.let_go.push_back(edge);
         }
-        for (const VertexPair& edge : done.let_go) edit_.release_edge(edge[0], edge[1]);
+        for (const VertexPair& edge : done.let_go) edit_.constraints.release_edge(edge[0], edge[1]);
         std::vector<std::uint32_t> own = row;
         own.insert(own.end(), vertices.begin(), vertices.end());
         sort_distinct(own);
@@ -498,7 +498,7 @@ class SectionRerouting {
     bool is_free_without(const std::vector<std::uint32_t>& own, std::uint32_t structure,
                          std::uint32_t v) const {
         const auto subsegments = drawn_.owners->subsegments_at(v);
-        return edit_.fixed(v) && !subsegments.empty() &&
+        return edit_.constraints.fixed(v) && !subsegments.empty() &&
                std::all_of(subsegments.begin(), subsegments.end(),
                            [&](const ContourOwners::Subsegment& subsegment) {
                                return subsegment.structure == structure &&
@@ -507,7 +507,7 @@ class SectionRerouting {
     }
 
     void free(std::uint32_t v, Attempt& done) {
-        edit_.unfix(v);
+        edit_.constraints.unfix(v);
         done.released.push_back(v);
         done.constraint_limited.push_back(
             v < constraint_limited_.size() ? std::exchange(constraint_limited_[v], std::uint8_t{0}) : 0);
@@ -571,14 +571,14 @@ class SectionRerouting {
     }
 
     void take_back(const Attempt& done) {
-        for (const std::uint32_t v : done.moved) edit_.unfix(v);
+        for (const std::uint32_t v : done.moved) edit_.constraints.unfix(v);
         for (std::size_t n = 0; n < done.released.size(); ++n) {
-            edit_.fix(done.released[n]);
+            edit_.constraints.fix(done.released[n]);
             if (done.released[n] < constraint_limited_.size())
                 constraint_limited_[done.released[n]] = done.constraint_limited[n];
         }
-        for (const VertexPair& edge : done.let_go) edit_.keep_edge(edge[0], edge[1]);
-        for (const VertexPair& edge : done.fixed) edit_.unfix_edge(edge[0], edge[1]);
+        for (const VertexPair& edge : done.let_go) edit_.constraints.keep_edge(edge[0], edge[1]);
+        for (const VertexPair& edge : done.fixed) edit_.constraints.unfix_edge(edge[0], edge[1]);
     }
 
     // `way`: its vertices.
@@ -591,7 +591,7 @@ class SectionRerouting {
         sort_distinct(of_slice_[contour.slice]);
         // What moved for an earlier way and is not on this one is free again.
         for (const std::uint32_t v : done.moved) {
-            if (std::find(way.begin(), way.end(), v) == way.end()) edit_.unfix(v);
+            if (std::find(way.begin(), way.end(), v) == way.end()) edit_.constraints.unfix(v);
         }
     }
 

@@ -142,8 +142,8 @@ class FacetDetachment {
             const Cell& cell = edit_.mesh.cell(c);
             const std::optional<Hole::CellFacet> other = beside(facet, n, cells);
             if (!other || !rests(other->first, other->second) ||
-                edit_.fixed_edge(cell[facet_vertices[i][(n + 1) % 3]],
-                                 cell[facet_vertices[i][(n + 2) % 3]]) ||
+                edit_.constraints.fixed_edge(cell[facet_vertices[i][(n + 1) % 3]],
+                                             cell[facet_vertices[i][(n + 2) % 3]]) ||
                 edit_.mesh.region(edit_.mesh.neighbor(c, i)) !=
                     edit_.mesh.region(edit_.mesh.neighbor(other->first, other->second)))
                 continue;

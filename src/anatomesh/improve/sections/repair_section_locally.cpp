@@ -181,8 +181,8 @@ class LocalSectionRepair {
 
     // To a place over or under a plane that its cells meet.
     bool move(std::uint32_t v, const Bounds& bounds) {
-        const bool again = edit_.settled(v);
-        if (edit_.fixed(v) && !again) return false;
+        const bool again = edit_.constraints.settled(v);
+        if (edit_.constraints.fixed(v) && !again) return false;
         edit_.mesh.star(v, edit_.star);
         const double before = areas_.wrong_round(v, edit_.star);
         if (!(before > least_wrong_)) return false;
@@ -203,12 +203,12 @@ class LocalSectionRepair {
         const QualityThreshold threshold = edit_.threshold_of(edit_.star);
         const std::vector<Facet> facets = facets_at(v);
         const std::vector<std::uint32_t> star = edit_.star;
-        edit_.local.reset(edit_.needed_outside_sine(threshold), bounds.ratio * bounds.ratio);
+        edit_.scratch.local.reset(edit_.rule.needed_outside_sine(threshold), bounds.ratio * bounds.ratio);
         for (const std::uint32_t c : star) {
             const Cell& cell = edit_.mesh.cell(c);
             const auto& f = facet_vertices[std::find(cell.begin(), cell.end(), v) - cell.begin()];
-            edit_.local.add(edit_.mesh.point(cell[f[0]]), edit_.mesh.point(cell[f[1]]),
-                            edit_.mesh.point(cell[f[2]]), edit_.mesh.region(c) != 0);
+            edit_.scratch.local.add(edit_.mesh.point(cell[f[0]]), edit_.mesh.point(cell[f[1]]),
+                                    edit_.mesh.point(cell[f[2]]), edit_.mesh.region(c) != 0);
         }
         const auto near = [&](Vec3& q) { return keeps_near(q, from, facets); };
         return areas_.any_plane_at(round, [&](std::uint32_t k) {
@@ -217,13 +217,13 @@ class LocalSectionRepair {
             for (const double share : height_shares) {
                 Vec3 p = from + (share * edge - plane.signed_distance(from)) * plane.normal;
                 if (!near(p)) continue;
-                if (edit_.local.ascend(p, edit_.local.worst(p, -2), edit_.goal, plane.normal, near) <
-                    bounds.sine)
+                if (edit_.scratch.local.ascend(p, edit_.scratch.local.worst(p, -2), edit_.goal, plane.normal,
+                                               near) < bounds.sine)
                     continue;
                 edit_.mesh.move_point(v, p);
                 if (edit_.positive(star) && areas_.wrong_round(v, star) <= enough_less * before) {
                     edit_.changed = star;
-                    again ? edit_.fix(v) : edit_.settle(v);
+                    again ? edit_.constraints.fix(v) : edit_.constraints.settle(v);
                     ++stats_.vertices_moved;
                     return true;
                 }
@@ -320,7 +320,7 @@ class LocalSectionRepair {
     bool flip(std::uint32_t c, int i, const Bounds& bounds) {
         for (int e = 0; e < 6; ++e) {
             const auto [a, b] = edge_across(c, i, e);
-            if (a == no_cell || edit_.fixed_edge(a, b)) continue;
+            if (a == no_cell || edit_.constraints.fixed_edge(a, b)) continue;
             const std::array ends{std::min(a, b), std::max(a, b)};
             if (try_anew(Operation::flip, bounds, {ends[0], ends[1], 0}, ends,
                          [&] { return flip_across(c, e, bounds); }))
@@ -344,7 +344,7 @@ class LocalSectionRepair {
             if (a == no_cell) continue;
             for (const bool first_onto_second : {true, false}) {
                 const std::uint32_t from = first_onto_second ? a : b, to = first_onto_second ? b : a;
-                if (edit_.fixed(from)) continue;
+                if (edit_.constraints.fixed(from)) continue;
                 const std::array ends{from, to};
                 if (try_anew(Operation::collapse, bounds, {from, to, 0}, ends,
                              [&] { return collapse_along(c, e, first_onto_second, ends, bounds); }))
@@ -364,7 +364,7 @@ class LocalSectionRepair {
                    count_bad(edit_.changed, bounds) <= bad;
         };
         if (!try_exchange(round, operation)) return false;
-        if (!edit_.fixed(to)) edit_.settle(to);
+        if (!edit_.constraints.fixed(to)) edit_.constraints.settle(to);
         ++stats_.edges_collapsed;
         return true;
     }
@@ -394,8 +394,8 @@ class LocalSectionRepair {
     // The vertex that stays may move where cells at it are too flat then.
     bool collapse_onto(std::uint32_t c, int e, bool first_onto_second, std::uint32_t to,
                        const Bounds& bounds) {
-        edit_.mesh.star(to, edit_.others);
-        const double sine = std::min(bounds.sine, edit_.threshold_of(edit_.others).sine);
+        edit_.mesh.star(to, edit_.scratch.others);
+        const double sine = std::min(bounds.sine, edit_.threshold_of(edit_.scratch.others).sine);
         if (!collapse_edge_within(edit_, c, e, first_onto_second, before_moving * bounds.sine, bounds.ratio))
             return false;
         for (int n = 0; n < moves_after_collapse; ++n) {
@@ -444,7 +444,7 @@ class LocalSectionRepair {
                 if (!Hole(edit_, {c, other}, {})
                          .fill(foot + share * (top - foot), {}, bounds.ratio, enough, above))
                     continue;
-                edit_.settle(v);
+                edit_.constraints.settle(v);
                 ++stats_.vertices_inserted;
                 return true;
             }
@@ -459,7 +459,7 @@ class LocalSectionRepair {
         const Cell cell = edit_.mesh.cell(c);
         return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
             const Region own = edit_.mesh.region(c);
-            return (!edit_.fixed(v) || edit_.settled(v)) &&
+            return (!edit_.constraints.fixed(v) || edit_.constraints.settled(v)) &&
                    try_anew(Operation::lift_off, bounds, {v, own, to}, std::array{v},
                             [&] { return lift_off_vertex(v, own, to, bounds); });
         });
@@ -522,7 +522,7 @@ class LocalSectionRepair {
                               areas_.wrong(edit_.changed) <= enough_less * before;
             edit_.mesh.end_attempt(done);
             if (!done) continue;
-            edit_.settle(added);
+            edit_.constraints.settle(added);
             ++stats_.vertices_inserted;
             return true;
         }

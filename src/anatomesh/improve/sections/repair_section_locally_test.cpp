@@ -210,14 +210,14 @@ TEST(RepairSectionLocally, what_was_put_beside_a_plane_may_cross_it_once_more) {
         edit.table = &wall.table;
         edit.goal = 0.3;
         if (settled) {
-            for (const std::uint32_t v : astray) edit.settle(v);
+            for (const std::uint32_t v : astray) edit.constraints.settle(v);
         }
         const DrawnSlices slices = wall.drawn();
         const LocalRepairStats stats = repair_section_locally(edit, slices, 0.17, {});
         EXPECT_EQ(stats.vertices_moved, settled ? astray.size() : 0);
         for (const std::uint32_t v : astray) {
-            EXPECT_TRUE(edit.fixed(v));
-            EXPECT_FALSE(edit.settled(v));
+            EXPECT_TRUE(edit.constraints.fixed(v));
+            EXPECT_FALSE(edit.constraints.settled(v));
             EXPECT_EQ(edited.point(v) != points[v], settled);
             EXPECT_EQ(edited.point(v).z < 3, settled);
         }

@@ -123,7 +123,7 @@ class Flipper {
         std::vector<Flip> flips = parallel_collect<Flip>(
             work.size(), 512, threads_, [&](std::size_t first, std::size_t last, std::vector<Flip>& found) {
                 EditContext local_edit = edit_;
-                local_edit.speculative = true;
+                local_edit.speculation.active = true;
                 for (std::size_t n = first; n < last; ++n) {
                     if (n + cells_ahead < last) prefetch_beside(work[n + cells_ahead]);
                     for (int k = 0; k < 3; ++k) {
@@ -146,7 +146,7 @@ class Flipper {
         const double gained = gain(q, n, m);
         if (!(gained >= options_.least_gain_degrees * std::numbers::pi / 180) || !flip_cells(local_edit, q))
             return;
-        found.push_back({q, n, m, gained, std::move(local_edit.proposal.cells)});
+        found.push_back({q, n, m, gained, std::move(local_edit.speculation.proposal.cells)});
     }
 
     // Joins the facets of each edge that has just two.
@@ -236,7 +236,7 @@ class Flipper {
 
     // Whether the cells let the edge be flipped; the local context has the new ones then.
     bool flip_cells(EditContext& local_edit, const Quad& q) {
-        if (local_edit.fixed_edge(q.a, q.b)) return false;
+        if (local_edit.constraints.fixed_edge(q.a, q.b)) return false;
         const auto edge = cell_edge(local_edit, facets_[q.f], q.a, q.b);
         return edge && flip_edge(local_edit, edge->first, edge->second, options_.good_sine);
     }

@@ -140,8 +140,8 @@ class SurfaceRecovery {
             return made ? Outcome::bad_cut : Outcome::unsound;
         }
         for (std::size_t n = 1; n < chain.vertices.size(); ++n) {
-            edit_.fix_edge(chain.vertices[n - 1], chain.vertices[n]);
-            edit_.release_edge(chain.vertices[n - 1], chain.vertices[n]);
+            edit_.constraints.fix_edge(chain.vertices[n - 1], chain.vertices[n]);
+            edit_.constraints.release_edge(chain.vertices[n - 1], chain.vertices[n]);
         }
         std::vector<std::uint32_t> changed = std::move(made->changed);
         const std::vector<std::uint32_t> improved = improve_(changed);
@@ -165,7 +165,7 @@ class SurfaceRecovery {
             changed_.insert(changed_.end(), changed.begin(), changed.end());
         } else {
             for (std::size_t n = 1; n < chain.vertices.size(); ++n)
-                edit_.keep_edge(chain.vertices[n - 1], chain.vertices[n]);
+                edit_.constraints.keep_edge(chain.vertices[n - 1], chain.vertices[n]);
             edit_.stats = stats;
         }
         return good ? Outcome::done : Outcome::bad_cells;

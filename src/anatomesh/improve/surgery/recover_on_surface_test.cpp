@@ -261,7 +261,7 @@ TEST(RecoverOnSurface, subsegments_near_each_other_are_recovered_without_losing_
 // Puts a vertex at this share of the way from a to b, if that is a fixed edge.
 std::vector<std::uint32_t> split_fixed_edge(EditContext& edit, std::uint32_t a, std::uint32_t b,
                                             double share) {
-    if (!edit.fixed_edge(a, b)) return {};
+    if (!edit.constraints.fixed_edge(a, b)) return {};
     edit.mesh.star(a, edit.star);
     for (const std::uint32_t c : edit.star) {
         for (int e = 0; e < 6; ++e) {

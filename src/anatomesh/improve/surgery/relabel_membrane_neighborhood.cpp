@@ -75,7 +75,7 @@ class MembraneNeighborhood {
             if (subsegment.structure == chain_.structure) return true;
             known = true;
         }
-        return !known && edit_.fixed_edge(a, b) && incidence_.ring_is_mixed(chain_.structure);
+        return !known && edit_.constraints.fixed_edge(a, b) && incidence_.ring_is_mixed(chain_.structure);
     }
 
     bool may_become(const SurfaceCount& count, const SurfaceCount::Figures& before,
@@ -210,7 +210,7 @@ class MembraneNeighborhood {
         for (const auto& [d, x] : edges_) {
             if (!incidence_.find_ring(d, x)) return false;
             if (incidence_.ring_is_mixed(chain_.structure) &&
-                (reach_ < MembraneReach::near || edit_.fixed_edge(d, x))) {
+                (reach_ < MembraneReach::near || edit_.constraints.fixed_edge(d, x))) {
                 if (!is_on(x)) beside_.push_back(x);
                 continue;
             }

@@ -71,7 +71,7 @@ std::vector<std::uint32_t> suspects(const EditContext& edit, int threads) {
     }
     std::vector<std::uint32_t> found;
     for (std::uint32_t v = 0; v < sum.size(); ++v) {
-        const bool is_sharp = !edit.fixed(v) && length(sum[v]) < flat_enough * lengths[v];
+        const bool is_sharp = !edit.constraints.fixed(v) && length(sum[v]) < flat_enough * lengths[v];
         if (lengths[v] > 0 && (is_sharp || is_junction[v])) found.push_back(v);
     }
     return found;
@@ -142,7 +142,7 @@ class SpikeRemoval {
         make_cells(apex, next);
         if (!keeps_regions_whole(apex)) return std::nullopt;
         const std::uint32_t v = edit_.add_point(*to);
-        if (!edit_.commit(receding_, edit_.cells, edit_.regions)) return std::nullopt;
+        if (!edit_.commit(receding_, edit_.scratch.cells, edit_.scratch.regions)) return std::nullopt;
         ++stats.removed;
         return v;
     }
@@ -246,7 +246,7 @@ class SpikeRemoval {
                  double most_ratio) const {
         if (orient3d(p[0], p[1], p[2], p[3]) <= 0) return false;
         const CellMeasures m = measure_cell(p[0], p[1], p[2], p[3]);
-        if (region == 0) return m.least_sine() >= edit_.needed_outside_sine(threshold);
+        if (region == 0) return m.least_sine() >= edit_.rule.needed_outside_sine(threshold);
         return m.least_sine() >= least_sine_ && m.squared_ratio <= most_ratio * most_ratio;
     }
 
@@ -289,8 +289,9 @@ class SpikeRemoval {
             if (std::find(receding_.begin(), receding_.end(), c) == receding_.end())
                 around_.push_back({edit_.mesh.cell(c), edit_.mesh.region(c) == region_});
         }
-        for (std::size_t n = 0; n < edit_.cells.size(); ++n) {
-            if (has_it(edit_.cells[n])) around_.push_back({edit_.cells[n], edit_.regions[n] == region_});
+        for (std::size_t n = 0; n < edit_.scratch.cells.size(); ++n) {
+            if (has_it(edit_.scratch.cells[n]))
+                around_.push_back({edit_.scratch.cells[n], edit_.scratch.regions[n] == region_});
         }
         return is_connected(true) && is_connected(false);
     }
@@ -320,16 +321,16 @@ class SpikeRemoval {
     }
 
     void make_cells(std::uint32_t apex, std::uint32_t v) {
-        edit_.cells.clear();
-        edit_.regions.clear();
+        edit_.scratch.cells.clear();
+        edit_.scratch.regions.clear();
         for (const std::uint32_t c : receding_) {
-            edit_.cells.push_back(edit_.mesh.cell(c));
-            std::replace(edit_.cells.back().begin(), edit_.cells.back().end(), apex, v);
-            edit_.regions.push_back(edit_.mesh.region(c));
+            edit_.scratch.cells.push_back(edit_.mesh.cell(c));
+            std::replace(edit_.scratch.cells.back().begin(), edit_.scratch.cells.back().end(), apex, v);
+            edit_.scratch.regions.push_back(edit_.mesh.region(c));
         }
         for (const auto& [a, b] : rim_) {
-            edit_.cells.push_back({v, apex, a, b});
-            edit_.regions.push_back(region_);
+            edit_.scratch.cells.push_back({v, apex, a, b});
+            edit_.scratch.regions.push_back(region_);
         }
     }
 

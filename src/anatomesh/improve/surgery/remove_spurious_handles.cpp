@@ -166,7 +166,9 @@ class HandleRemoval {
 
     // One handle among the vertices, by the cheapest membrane that does it.
     bool close(const std::vector<std::uint32_t>& vertices, const SurfaceSides& sides) {
-        const auto is_subsegment = [&](std::uint32_t a, std::uint32_t b) { return edit_.fixed_edge(a, b); };
+        const auto is_subsegment = [&](std::uint32_t a, std::uint32_t b) {
+            return edit_.constraints.fixed_edge(a, b);
+        };
         const RimSides rim_sides = [&](std::uint32_t before, std::uint32_t v, std::uint32_t next) {
             return sides.taken_at(before, v, next, is_subsegment);
         };

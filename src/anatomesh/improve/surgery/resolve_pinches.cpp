@@ -159,7 +159,8 @@ class PinchResolution {
         for (const std::uint32_t v : vertices) std::erase(ends, v);
         for (const std::uint32_t v : vertices) {
             for (const std::uint32_t x : ends) {
-                if (incidence_.find_ring(v, x) && !edit_.fixed_edge(v, x) && !cut(v, x)) return false;
+                if (incidence_.find_ring(v, x) && !edit_.constraints.fixed_edge(v, x) && !cut(v, x))
+                    return false;
             }
         }
         near_.insert(near_.end(), vertices.begin(), vertices.end());
