@@ -52,6 +52,9 @@ class ConflatedContours {
 
     ConflatedContours(const ContourSet& set, const Slice& slice);
 
+    // In lengths of the segment, 0 at a and 1 at b, beyond them too.
+    static double along(Vec2 p, Vec2 a, Vec2 b) { return dot(p - a, b - a) / dot(b - a, b - a); }
+
     // Their order is that of the slice's contours.
     const std::vector<ConflatedContour>& loops() const { return loops_; }
     Vec3 point(std::uint32_t vertex) const { return points_[vertex]; }
@@ -64,8 +67,6 @@ class ConflatedContours {
     // The drawn ends of the segment that this one is a part of, or was led away from.
     static Edge drawn_segment(const ConflatedContour& loop, std::size_t n);
 
-    // In lengths of the segment, 0 at a and 1 at b, beyond them too.
-    static double along(Vec2 p, Vec2 a, Vec2 b) { return dot(p - a, b - a) / dot(b - a, b - a); }
     static bool has(const Edge& e, std::uint32_t v) { return e[0] == v || e[1] == v; }
 
     // Every segment of every loop, in their order, and where it is.

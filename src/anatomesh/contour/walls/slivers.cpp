@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -41,30 +42,156 @@ struct Stretch {
     std::size_t vertices() const { return segments - 1; }
 };
 
+// The stretches of a slice's loops, with the loops and the places of their vertices in the slice's plane.
+class LoopStretches {
+  public:
+    LoopStretches(const std::vector<ConflatedContour>& loops, const std::vector<Vec2>& at)
+        : loops_(loops), at_(at) {}
+
+    // Between two places on a loop, over its start where the second is before the first.
+    Stretch between(std::uint32_t loop, double from, double to) const {
+        const double end = to < from ? to + static_cast<double>(loops_[loop].vertices.size()) : to;
+        const double start = std::floor(from), behind = std::max(std::ceil(end), start + 1);
+        return {loop, static_cast<std::size_t>(start), static_cast<std::size_t>(behind - start), from - start,
+                1 - (behind - end)};
+    }
+    std::uint32_t number(const Stretch& part, std::size_t k) const {
+        return static_cast<std::uint32_t>((part.start + k) % loops_[part.loop].vertices.size());
+    }
+    std::uint32_t vertex(const Stretch& part, std::size_t k) const {
+        return loops_[part.loop].vertices[number(part, k + 1)];
+    }
+    Segment2 segment(const Stretch& part, std::size_t k) const {
+        const std::uint32_t n = number(part, k);
+        return {at_[loops_[part.loop].vertices[n]], at_[loops_[part.loop].next_of(n)]};
+    }
+    double length_of(const Stretch& part, std::size_t k) const {
+        return length(segment(part, k).b - segment(part, k).a);
+    }
+
+    // Of the segments between its vertices; of those at its ends where there are no others.
+    double mean_segment(const Stretch& part) const {
+        const bool inner = part.segments > 2;
+        double sum = 0;
+        for (std::size_t k = inner; k + inner < part.segments; ++k) sum += length_of(part, k);
+        return sum / static_cast<double>(part.segments - 2 * inner);
+    }
+
+    // The place on a stretch that is nearest to a point.
+    struct PlaceOn {
+        std::size_t segment = 0;
+        double share = 0, apart = std::numeric_limits<double>::infinity();
+    };
+    PlaceOn nearest_place(const Stretch& part, Vec2 p) const {
+        PlaceOn best;
+        for (std::size_t k = 0; k < part.segments; ++k) {
+            const auto [a, b] = segment(part, k);
+            const double low = k == 0 ? part.from : 0, high = k + 1 == part.segments ? part.to : 1;
+            const double share = std::clamp(ConflatedContours::along(p, a, b), low, high);
+            const double apart = length(p - (a + share * (b - a)));
+            if (apart < best.apart) best = {k, share, apart};
+        }
+        return best;
+    }
+
+    // Between two stretches that run against each other.
+    std::vector<Vec2> ring_between(const Stretch& first, const Stretch& second) const {
+        std::vector<Vec2> ring;
+        for (const Stretch& part : {first, second}) {
+            const Segment2 here = segment(part, 0);
+            ring.push_back(here.a + part.from * (here.b - here.a));
+            for (std::size_t k = 0; k < part.vertices(); ++k) ring.push_back(at_[vertex(part, k)]);
+        }
+        return ring;
+    }
+
+  private:
+    const std::vector<ConflatedContour>& loops_;
+    const std::vector<Vec2>& at_;
+};
+
+// The planes of a set beside that of one slice.
+class OtherSlices {
+  public:
+    // `patches`: of all slices.
+    OtherSlices(const ContourSet& set, std::uint32_t slice, const std::vector<Box3>& patches)
+        : set_(set), slice_(slice), patches_(patches) {}
+
+    using Ends = std::array<std::optional<Vec2>, 2>;
+    // Whether another slice passes through it: the two agree as drawn, or are made to. One that passes
+    // through no more of it than common vertices at its ends, which stay as they are, does not.
+    bool cross(const std::vector<Vec2>& ring, const Ends& ends) const {
+        std::vector<Vec3> corners;
+        Box3 box;
+        for (const Vec2 p : ring) {
+            corners.push_back(set_.slices[slice_].plane.to_space(p));
+            box.extend(corners.back());
+        }
+        for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
+            if (s == slice_ || !meet(box, patches_[s])) continue;
+            const Plane& other = set_.slices[s].plane;
+            double low = std::numeric_limits<double>::infinity(), high = -low;
+            for (std::size_t k = 0; k < ring.size(); ++k) {
+                const double height = other.signed_distance(corners[k]);
+                const bool is_end = std::find(ends.begin(), ends.end(), ring[k]) != ends.end();
+                if (is_end && std::abs(height) <= on_other_slice_mm) continue;
+                low = std::min(low, height);
+                high = std::max(high, height);
+            }
+            if (low <= on_other_slice_mm && high >= -on_other_slice_mm) return true;
+        }
+        return false;
+    }
+
+  private:
+    const ContourSet& set_;
+    const std::uint32_t slice_;
+    const std::vector<Box3>& patches_;
+};
+
+// The loops of a slice as they are drawn.
+class DrawnPolygons {
+  public:
+    void add(std::vector<Vec2> polygon) {
+        Box2 box;
+        for (const Vec2 p : polygon) box.extend(p);
+        polygons_.push_back(std::move(polygon));
+        boxes_.push_back(box);
+    }
+    double area(std::size_t loop) const { return signed_area(polygons_[loop]); }
+    // Whether a point lies in the loops from the first on, up to the last, by the even-odd rule.
+    bool is_inside(std::size_t first, std::size_t last, Vec2 p) const {
+        bool inside = false;
+        for (std::size_t l = first; l < last; ++l) {
+            if (!boxes_[l].contains(p)) continue;
+            inside ^= side_of_polygon(polygons_[l], p) == Side::inside;
+        }
+        return inside;
+    }
+
+  private:
+    std::vector<std::vector<Vec2>> polygons_;
+    std::vector<Box2> boxes_;
+};
+
 class SliceSlivers : public ConflatedContours {
   public:
     // `patches`: of all slices.
     SliceSlivers(const ContourSet& set, std::uint32_t slice, const std::vector<Box3>& patches,
                  const CloseSliversOptions& options)
         : ConflatedContours(set, set.slices[slice]),
-          set_(set),
-          slice_(slice),
-          patches_(patches),
           options_(options),
           plane_(set.slices[slice].plane),
-          drawn_points_(points_.size()) {}
+          drawn_points_(points_.size()),
+          stretches_(loops_, at_),
+          other_slices_(set, slice, patches) {}
 
     void close() {
         if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
         for (const ConflatedContour& loop : loops_) {
             std::vector<Vec2> polygon;
-            Box2 box;
-            for (const std::uint32_t v : loop.drawn) {
-                polygon.push_back(at_[v]);
-                box.extend(at_[v]);
-            }
-            polygons_.push_back(std::move(polygon));
-            boxes_.push_back(box);
+            for (const std::uint32_t v : loop.drawn) polygon.push_back(at_[v]);
+            drawn_.add(std::move(polygon));
         }
         const std::vector<Meeting> all = meetings();
         for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
@@ -144,11 +271,13 @@ class SliceSlivers : public ConflatedContours {
         for (std::size_t k = 0; k < count; ++k) {
             const std::size_t next = (k + 1) % count;
             if ((rank[next] + 1) % count != rank[k]) continue;
-            const Stretch first = stretch(all[k].loops[0], all[k].along_first, all[next].along_first),
-                          second = stretch(all[k].loops[1], all[next].along_second, all[k].along_second);
+            const Stretch first =
+                              stretches_.between(all[k].loops[0], all[k].along_first, all[next].along_first),
+                          second = stretches_.between(all[k].loops[1], all[next].along_second,
+                                                      all[k].along_second);
             if (!close_between(first, second, slivers[k])) continue;
-            const std::vector<Vec2> ring = ring_between(first, second);
-            closes[k] = !is_crossed(ring, {all[k].vertex, all[next].vertex}) &&
+            const std::vector<Vec2> ring = stretches_.ring_between(first, second);
+            closes[k] = !other_slices_.cross(ring, {place_of(all[k].vertex), place_of(all[next].vertex)}) &&
                         !lies_in_a_third(slivers[k], {first.loop, second.loop});
             areas[k] = std::abs(signed_area(ring));
         }
@@ -175,81 +304,38 @@ class SliceSlivers : public ConflatedContours {
         }
     }
 
-    // Between two places on a loop, over its start where the second is before the first.
-    Stretch stretch(std::uint32_t loop, double from, double to) const {
-        const double end = to < from ? to + static_cast<double>(loops_[loop].vertices.size()) : to;
-        const double start = std::floor(from), behind = std::max(std::ceil(end), start + 1);
-        return {loop, static_cast<std::size_t>(start), static_cast<std::size_t>(behind - start), from - start,
-                1 - (behind - end)};
-    }
-    std::uint32_t number(const Stretch& part, std::size_t k) const {
-        return static_cast<std::uint32_t>((part.start + k) % loops_[part.loop].vertices.size());
-    }
-    std::uint32_t vertex(const Stretch& part, std::size_t k) const {
-        return loops_[part.loop].vertices[number(part, k + 1)];
-    }
-    Segment2 segment(const Stretch& part, std::size_t k) const {
-        const std::uint32_t n = number(part, k);
-        return {at_[loops_[part.loop].vertices[n]], at_[loops_[part.loop].next_of(n)]};
-    }
-    double length_of(const Stretch& part, std::size_t k) const {
-        return length(segment(part, k).b - segment(part, k).a);
-    }
-
-    // Of the segments between its vertices; of those at its ends where there are no others.
-    double mean_segment(const Stretch& part) const {
-        const bool inner = part.segments > 2;
-        double sum = 0;
-        for (std::size_t k = inner; k + inner < part.segments; ++k) sum += length_of(part, k);
-        return sum / static_cast<double>(part.segments - 2 * inner);
-    }
-
     // Whether what lies between two stretches that run against each other is a sliver; then what is to be put
     // into either is appended.
     bool close_between(const Stretch& first, const Stretch& second, Run& run) const {
         if (first.vertices() > most_vertices || second.vertices() > most_vertices) return false;
-        const double width =
-            std::min(options_.width_mm,
-                     options_.share_of_segment * std::min(mean_segment(first), mean_segment(second)));
+        const double width = std::min(
+            options_.width_mm, options_.share_of_segment *
+                                   std::min(stretches_.mean_segment(first), stretches_.mean_segment(second)));
         // The second's vertices from the first's start on, and where along the first they lie.
         std::vector<double> along_first;
         for (std::size_t k = second.vertices(); k-- > 0;) {
-            const PlaceOn place = nearest_place(first, at_[vertex(second, k)]);
+            const LoopStretches::PlaceOn place =
+                stretches_.nearest_place(first, at_[stretches_.vertex(second, k)]);
             const double here = static_cast<double>(place.segment) + place.share;
             if (!(place.apart < width) || (!along_first.empty() && here < along_first.back())) return false;
             along_first.push_back(here);
         }
         for (std::size_t k = 0; k < first.vertices(); ++k)
-            if (!(nearest_place(second, at_[vertex(first, k)]).apart < width)) return false;
+            if (!(stretches_.nearest_place(second, at_[stretches_.vertex(first, k)]).apart < width))
+                return false;
         // Both in one order, from the first's start on.
         std::vector<Shared> order;
         std::size_t own = 0;
         for (std::size_t m = 0; m < along_first.size(); ++m) {
             for (; own < first.vertices() && static_cast<double>(own + 1) < along_first[m]; ++own)
-                order.push_back({vertex(first, own), true});
-            order.push_back({vertex(second, second.vertices() - 1 - m), false});
+                order.push_back({stretches_.vertex(first, own), true});
+            order.push_back({stretches_.vertex(second, second.vertices() - 1 - m), false});
         }
-        for (; own < first.vertices(); ++own) order.push_back({vertex(first, own), true});
+        for (; own < first.vertices(); ++own) order.push_back({stretches_.vertex(first, own), true});
         put_into(first, order, true, run);
         std::reverse(order.begin(), order.end());
         put_into(second, order, false, run);
         return true;
-    }
-
-    struct PlaceOn {
-        std::size_t segment = 0;
-        double share = 0, apart = std::numeric_limits<double>::infinity();
-    };
-    PlaceOn nearest_place(const Stretch& part, Vec2 p) const {
-        PlaceOn best;
-        for (std::size_t k = 0; k < part.segments; ++k) {
-            const auto [a, b] = segment(part, k);
-            const double low = k == 0 ? part.from : 0, high = k + 1 == part.segments ? part.to : 1;
-            const double share = std::clamp(along(p, a, b), low, high);
-            const double apart = length(p - (a + share * (b - a)));
-            if (apart < best.apart) best = {k, share, apart};
-        }
-        return best;
     }
 
     // Of the vertices of two stretches in one order: whether it is the first one's.
@@ -264,12 +350,13 @@ class SliceSlivers : public ConflatedContours {
         for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end + 1, ++k) {
             for (end = begin; end < order.size() && order[end].of_first != is_first;) ++end;
             const double low = k == 0 ? part.from : 0, high = k + 1 == part.segments ? part.to : 1;
-            const auto [a, b] = segment(part, k);
+            const auto [a, b] = stretches_.segment(part, k);
             for (std::size_t n = begin; n < end; ++n) {
                 const double share = low + (high - low) * static_cast<double>(n + 1 - begin) /
                                                static_cast<double>(end + 1 - begin);
                 const std::uint32_t v = order[n].vertex;
-                run.push_back({v, part.loop, number(part, k), share, distance_to_segment(at_[v], a, b)});
+                run.push_back(
+                    {v, part.loop, stretches_.number(part, k), share, distance_to_segment(at_[v], a, b)});
             }
         }
     }
@@ -292,7 +379,7 @@ class SliceSlivers : public ConflatedContours {
                     std::abs(cross(at_[v] - other.crossing, at_[other.ends[1]] - at_[other.ends[0]])) /
                     other.length_mm;
                 if (height * length(at_[other.beyond] - other.crossing) > 2 * least_area * area_mm2 ||
-                    is_crossed({at_[other.beyond], other.crossing, at_[v]}, {no_vertex, no_vertex}))
+                    other_slices_.cross({at_[other.beyond], other.crossing, at_[v]}, {}))
                     continue;
                 nearest = apart;
                 vertex = v;
@@ -328,43 +415,6 @@ class SliceSlivers : public ConflatedContours {
         return side;
     }
 
-    // Between two stretches that run against each other.
-    std::vector<Vec2> ring_between(const Stretch& first, const Stretch& second) const {
-        std::vector<Vec2> ring;
-        for (const Stretch& part : {first, second}) {
-            const Segment2 here = segment(part, 0);
-            ring.push_back(here.a + part.from * (here.b - here.a));
-            for (std::size_t k = 0; k < part.vertices(); ++k) ring.push_back(at_[vertex(part, k)]);
-        }
-        return ring;
-    }
-
-    // Whether another slice passes through it: the two agree as drawn, or are made to. One that passes
-    // through no more of it than common vertices at its ends, which stay as they are, does not.
-    bool is_crossed(const std::vector<Vec2>& ring, Edge ends) const {
-        std::vector<Vec3> corners;
-        Box3 box;
-        for (const Vec2 p : ring) {
-            corners.push_back(plane_.to_space(p));
-            box.extend(corners.back());
-        }
-        for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
-            if (s == slice_ || !meet(box, patches_[s])) continue;
-            const Plane& other = set_.slices[s].plane;
-            double low = std::numeric_limits<double>::infinity(), high = -low;
-            for (std::size_t k = 0; k < ring.size(); ++k) {
-                const double height = other.signed_distance(corners[k]);
-                const bool is_end = std::any_of(ends.begin(), ends.end(), [&](std::uint32_t v) {
-                    return v != no_vertex && ring[k] == at_[v];
-                });
-                if (is_end && std::abs(height) <= on_other_slice_mm) continue;
-                low = std::min(low, height);
-                high = std::max(high, height);
-            }
-            if (low <= on_other_slice_mm && high >= -on_other_slice_mm) return true;
-        }
-        return false;
-    }
     // Whether a third structure is drawn in the sliver but not on both sides of it, or beside it alone: what
     // is closed there would come to lie in it, or leave it.
     bool lies_in_a_third(const Run& sliver, Edge of_loops) const {
@@ -377,23 +427,15 @@ class SliceSlivers : public ConflatedContours {
                 const std::uint32_t structure = loops_[first].structure;
                 if (structure == loops_[of_loops[0]].structure || structure == loops_[of_loops[1]].structure)
                     continue;
-                const bool inside = is_inside(first, v + 0.5 * way);
-                if (inside != is_inside(first, v - 0.25 * way) || inside != is_inside(first, v + 1.25 * way))
-                    return true;
+                const auto is_inside = [&](double share) {
+                    return drawn_.is_inside(first, end_of_structure(first), v + share * way);
+                };
+                const bool inside = is_inside(0.5);
+                if (inside != is_inside(-0.25) || inside != is_inside(1.25)) return true;
             }
         }
         return false;
     }
-    // Of the structure whose loops begin there.
-    bool is_inside(std::size_t first, Vec2 p) const {
-        bool inside = false;
-        for (std::size_t l = first; l < end_of_structure(first); ++l) {
-            if (!boxes_[l].contains(p)) continue;
-            inside ^= side_of_polygon(polygons_[l], p) == Side::inside;
-        }
-        return inside;
-    }
-
     std::uint32_t made_at(Place place, double share) {
         const ConflatedContour& loop = loops_[place[0]];
         const Vec3 a = points_[loop.vertices[place[1]]], b = points_[loop.next_of(place[1])];
@@ -467,7 +509,7 @@ class SliceSlivers : public ConflatedContours {
             last = end_of_structure(first);
             double area = 0, changed = 0;
             for (std::size_t l = first; l < last; ++l) {
-                area += signed_area(polygons_[l]);
+                area += drawn_.area(l);
                 if (loops_[l].vertices.size() > loops_[l].drawn.size())
                     changed += change_of(loops_[l]).area_mm2;
             }
@@ -480,14 +522,16 @@ class SliceSlivers : public ConflatedContours {
         return any;
     }
 
-    const ContourSet& set_;
-    const std::uint32_t slice_;
-    const std::vector<Box3>& patches_;
+    std::optional<Vec2> place_of(std::uint32_t v) const {
+        return v == no_vertex ? std::nullopt : std::optional(at_[v]);
+    }
+
     const CloseSliversOptions& options_;
     const Plane plane_;
     const std::size_t drawn_points_;
-    std::vector<std::vector<Vec2>> polygons_;  // the loops as drawn, and their boxes
-    std::vector<Box2> boxes_;
+    const LoopStretches stretches_;
+    const OtherSlices other_slices_;
+    DrawnPolygons drawn_;
     std::vector<Run> runs_;
     std::vector<std::uint8_t> given_up_;  // by run
 };
