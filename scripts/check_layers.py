@@ -20,7 +20,7 @@ mesh/model mesh/edit mesh/check mesh/shape mesh/stars
 field/model field/slice field/warnings field/stack field/planes field/overlaps field
 overlaps
 sample delaunay cull cut measure
-improve/core improve/operations improve/sections improve/surgery improve/reroute improve/smooth improve
+improve/core improve/operations improve/climb improve/sections improve/surgery improve/reroute improve/smooth improve
 measure/topology refine recover element
 pipeline/model pipeline/retry pipeline
 uncertainty

@@ -18,7 +18,7 @@
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/counted_field.h"
 #include "anatomesh/field/model/volume.h"
-#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/improve_mesh.h"
 #include "anatomesh/improve/operations/segment_edges.h"
 #include "anatomesh/improve/reroute/routed_contours.h"
 #include "anatomesh/improve/reroute/snap_round_segments.h"
@@ -464,7 +464,7 @@ class Builder {
         SmoothStats smoothed = smooth_all(*stars, fixed, {});
         stars.reset();
         // Much of that is serial: the field's volumes are found beside it.
-        DihedralStats dihedrals;
+        MeshImprovementStats dihedrals;
         Status volumes = Nothing{};
         parallel_tasks(context_.threads,
                        {[&] { dihedrals = improve_angles(fixed); }, [&] { volumes = find_volumes(); }});
@@ -559,10 +559,10 @@ class Builder {
     }
 
     // Contour segments that are edges of the surface stay edges of it.
-    DihedralStats improve_angles(std::vector<std::uint8_t>& fixed) {
+    MeshImprovementStats improve_angles(std::vector<std::uint8_t>& fixed) {
         std::vector<Subsegment> subsegments = subsegment_list_;
         subsegments.insert(subsegments.end(), cut_subsegments_.begin(), cut_subsegments_.end());
-        DihedralOptions options;
+        MeshImprovementOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
@@ -600,10 +600,10 @@ class Builder {
         const RoutableContours routable{contours_.contours, contour_vertices, planes, contours_.exclusive,
                                         most_reroute_mm(most_routed)};
         if (!is_parallel(contours_)) options.handle_mm = spurious_handle_reach * sample_->stats.size_mm;
-        return improve_dihedrals(
-            model_.mesh, neighbors_, fixed,
-            edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours())), *field_,
-            structures_,
+        const std::vector<VertexPair> fixed_edges =
+            edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours()));
+        return improve_mesh(
+            model_.mesh, neighbors_, {fixed, fixed_edges}, *field_, structures_,
             {&model_.regions, slice_of, &owners, slices.planes, slices.extents, slices.weights,
              slices.on_plane_mm, worst_alone ? contract::section_tolerance : 0.0, beside, constraint_limited,
              routable},

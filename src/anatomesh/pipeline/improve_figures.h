@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "anatomesh/cut/spurious_components.h"
-#include "anatomesh/improve/core/dihedral_options.h"
+#include "anatomesh/improve/core/mesh_improvement_options.h"
 #include "anatomesh/improve/smooth/balance_volumes.h"
 #include "anatomesh/improve/smooth/improve.h"
 #include "anatomesh/improve/smooth/smooth_vertices.h"
@@ -18,7 +18,7 @@ namespace anatomesh {
 struct ImproveWork {
     const ImproveStats& improved;
     const SmoothStats& smoothed;
-    const DihedralStats& dihedrals;
+    const MeshImprovementStats& dihedrals;
     std::size_t contours_routed;
     const SpuriousComponentStats& spurious;
     const BalanceStats& balanced;

@@ -62,17 +62,17 @@ struct AcceptanceRule {
     }
 
   private:
-    // A change must raise the least sine by this share, so that ever smaller gains end. [1; 0 to 1; M 2026-11,
-    // set not recorded]
+    // A change must raise the least sine by this share, so that ever smaller gains end. [1; 0 to 1; M
+    // 2026-11, set not recorded]
     static constexpr double least_gain = 0.02;
     // This is added to the sine that the share is of, so that flat cells must gain something too. [1; > 0; M
     // 2026-11, set not recorded]
     static constexpr double gain_offset = 0.02;
-    // A cell outside with a larger sine than this serves as room as well as any. [1; 0 to 1; M 2026-11, set not
-    // recorded]
+    // A cell outside with a larger sine than this serves as room as well as any. [1; 0 to 1; M 2026-11, set
+    // not recorded]
     static constexpr double flat_outside = 0.01;
-    // A squared ratio must fall to this share of the largest before. [1; 0 to 1; M 2026-11 skull, pelvis, spine
-    // and labels]
+    // A squared ratio must fall to this share of the largest before. [1; 0 to 1; M 2026-11, set not
+    // recorded]
     static constexpr double ratio_gain = 0.8;
 };
 

@@ -27,7 +27,7 @@ struct CellSnapshot {
         return is;
     }
 
-    // Exactly.
+    // Whether the point lies in the cell as it was, exactly.
     bool holds(Vec3 p) const {
         const auto& q = corners;
         return box.contains(p) && orient3d(p, q[1], q[2], q[3]) > 0 && orient3d(q[0], p, q[2], q[3]) > 0 &&
@@ -35,7 +35,7 @@ struct CellSnapshot {
     }
 };
 
-// The first of some in which a cell lies, by its middle; null: none.
+// The first snapshot that holds the centroid of a cell; null if there is none.
 inline const CellSnapshot* find_snapshot(const std::vector<CellSnapshot>& cells, const EditMesh& mesh,
                                          std::uint32_t c) {
     Vec3 middle{};

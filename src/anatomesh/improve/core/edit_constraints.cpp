@@ -1,6 +1,7 @@
 #include "anatomesh/improve/core/edit_constraints.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace anatomesh {
 
@@ -16,6 +17,11 @@ bool has_edge(const Cell& cell, VertexPair edge) {
 }
 
 }  // namespace
+
+EditConstraints::EditConstraints(std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges)
+    : fixed_(fixed), fixed_edges_(fixed_edges) {
+    assert(std::is_sorted(fixed_edges.begin(), fixed_edges.end()));
+}
 
 bool EditConstraints::fixed_edge(std::uint32_t a, std::uint32_t b) const {
     if (!fixed(a) || !fixed(b)) return false;

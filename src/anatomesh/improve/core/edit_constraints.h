@@ -1,6 +1,7 @@
 // EditConstraints: the vertices and edges of a mesh under improvement that operations must not change.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,9 +18,9 @@ class EditConstraints {
   public:
     // `fixed` by vertex, not 0 where it is fixed; it grows with the points. `fixed_edges` are sorted, with
     // fixed ends. Requires: both outlive this.
-    EditConstraints(std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges)
-        : fixed_(fixed), fixed_edges_(fixed_edges) {}
+    EditConstraints(std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges);
 
+    std::size_t vertex_count() const { return fixed_.size(); }
     bool fixed(std::uint32_t v) const { return fixed_[v] != 0; }
     void add_free_vertex() { fixed_.push_back(0); }
     void fix(std::uint32_t v) { fixed_[v] = fixed_for_good; }
@@ -52,7 +53,7 @@ class EditConstraints {
     std::vector<VertexPair> kept_edges_;   // sorted
 };
 
-// In which slice's plane a vertex lies as a part of a contour: those drawn and those that came since.
+// SliceVertices knows in which slice's plane a vertex lies as a part of a contour, as drawn or added since.
 class SliceVertices {
   public:
     // The new vertex v lies in a slice. Requires: v is larger than those before.

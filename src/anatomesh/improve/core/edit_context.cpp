@@ -8,10 +8,10 @@
 
 namespace anatomesh {
 
-EditContext::EditContext(EditMesh& mesh_in, std::vector<std::uint8_t>& fixed,
-                         std::span<const VertexPair> fixed_edges, const StructureField& field,
-                         std::uint32_t structures, const DihedralOptions& options_in)
-    : mesh(mesh_in), constraints(fixed, fixed_edges), probe(field, structures), options(options_in) {
+EditContext::EditContext(EditMesh& mesh_in, const EditConstraints& constraints_in,
+                         const StructureField& field, std::uint32_t structures,
+                         const MeshImprovementOptions& options_in)
+    : mesh(mesh_in), constraints(constraints_in), probe(field, structures), options(options_in) {
     rule.max_radius_edge = options.max_radius_edge;
 }
 
@@ -134,7 +134,7 @@ bool EditContext::carry_out(const Proposal& change) {
         mesh.star(change.vertex, star);
         if (!commit_move(change.vertex, change.to)) return false;
     }
-    ++(stats.*change.counter);
+    ++(stats.operations.*change.counter);
     return true;
 }
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "anatomesh/improve/core/acceptance_rule.h"
-#include "anatomesh/improve/core/dihedral_options.h"
 #include "anatomesh/improve/core/edit_constraints.h"
 #include "anatomesh/improve/core/local_star.h"
+#include "anatomesh/improve/core/mesh_improvement_options.h"
 #include "anatomesh/mesh/edit/edit_mesh.h"
 #include "anatomesh/sample/interface_probe.h"
 
@@ -24,7 +24,8 @@ struct Proposal {
     // that.
     std::uint32_t lone = no_cell;
     int lone_edge = 0;
-    std::uint64_t DihedralStats::*counter = nullptr;  // counts changes of this kind; null: there is no change
+    std::uint64_t OperationCounts::*counter =
+        nullptr;  // counts changes of this kind; null: there is no change
 };
 
 // How a context evaluates operations on one of several threads.
@@ -49,18 +50,23 @@ struct EditScratch {
 // The operations (operations.h) propose cavities; the edit context knows whether they gain and puts them in.
 class EditContext {
   public:
-    EditContext(EditMesh& mesh, std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
-                const StructureField& field, std::uint32_t structures, const DihedralOptions& options);
+    // Requires: mesh, field, and what the constraints refer to outlive this.
+    EditContext(EditMesh& mesh, const EditConstraints& constraints, const StructureField& field,
+                std::uint32_t structures, const MeshImprovementOptions& options);
+    EditContext(EditMesh& mesh_in, std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
+                const StructureField& field, std::uint32_t structures,
+                const MeshImprovementOptions& options_in)
+        : EditContext(mesh_in, EditConstraints(fixed, fixed_edges), field, structures, options_in) {}
 
     EditMesh& mesh;
     const RegionTable* table = nullptr;  // of the mesh's regions
     const DrawnSlices* drawn = nullptr;  // required where the rule guards sections or spares limited cells
     EditConstraints constraints;
     InterfaceProbe probe;
-    DihedralOptions options;
+    MeshImprovementOptions options;
     AcceptanceRule rule;
     double goal = 0;  // a sine that is good enough: operations seek no better one
-    DihedralStats stats;
+    MeshImprovementStats stats;
     Speculation speculation;
     std::vector<std::uint32_t> changed;  // cells that the last operation made or reshaped
     std::vector<std::uint32_t> star;     // of the vertex, and
@@ -103,8 +109,8 @@ class EditContext {
     // Makes the change that a speculative context proposed, if it may be. Requires: what that context looked
     // at is as it was.
     bool carry_out(const Proposal& change);
-    void count(std::uint64_t DihedralStats::*counter) {
-        ++(stats.*counter);
+    void count(std::uint64_t OperationCounts::*counter) {
+        ++(stats.operations.*counter);
         speculation.proposal.counter = counter;
     }
 

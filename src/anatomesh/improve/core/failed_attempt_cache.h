@@ -1,5 +1,4 @@
-// FailedAttemptCache: what was tried on a mesh in vain, and need not be tried again as long as nothing
-// changed there.
+// FailedAttemptCache: attempts on a mesh that failed and would fail again as long as nothing changes there.
 #pragma once
 
 #include <array>
@@ -12,14 +11,14 @@
 
 namespace anatomesh {
 
-// A try is what names it: an operation, and what it is about. It is about the cells at some vertices, and is
-// worth another one once one of these has changed. Requires of a try that it looks at these cells alone.
-// Complexity: O(1) a question, and O(cells) a change.
+// An attempt is named by an operation and what it is about: cells at some vertices. It is worth another one
+// once one of these cells has changed. Requires: an attempt looks at these cells alone. Complexity: O(1) a
+// question, and O(cells) a change.
 class FailedAttemptCache {
   public:
     using Name = std::array<std::uint32_t, 4>;
 
-    // Whether it was in vain, and no cell at one of the vertices was changed since.
+    // Whether the attempt failed, and no cell at one of the vertices has changed since.
     bool contains(const Name& name, std::span<const std::uint32_t> vertices) const {
         const auto found = tried_.find(name);
         if (found == tried_.end()) return false;
@@ -31,7 +30,7 @@ class FailedAttemptCache {
 
     void add(const Name& name) { tried_[name] = changes_; }
 
-    // These cells were made or reshaped, or relabelled; no_cell and such that are gone allowed.
+    // These cells were made, reshaped or relabelled; no_cell and cells that are gone are allowed.
     void note_change(const EditMesh& mesh, std::span<const std::uint32_t> cells) {
         ++changes_;
         changed_in_.resize(mesh.point_count(), 0);

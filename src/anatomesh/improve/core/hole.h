@@ -36,12 +36,12 @@ class Hole {
     // be filled, where they are of several, or would take a facet of an interface with them.
     bool add(const EdgeRing& ring);
 
-    // Of its facets' corners.
+    // The mean of its facets' corners.
     Vec3 centre() const;
 
-    // Puts a new vertex where the worst of the cells is best, from p on, and commits them if they reach
-    // `needed_sine(bar)`, with the bar of the cells before, and no ratio is above `max_radius_edge` and above
-    // theirs. `adjust`, `normal`: as LocalStar::ascend() wants them.
+    // Puts a new vertex where the worst of the cells is best, from p on. Commits them if they reach
+    // `needed_sine(threshold)`, with the threshold of the cells before, and no ratio is above
+    // `max_radius_edge` and above theirs. `adjust`, `normal`: as LocalStar::ascend() wants them.
     template <class NeededSine, class Adjust>
     bool fill(Vec3 p, Vec3 normal, double max_radius_edge, NeededSine&& needed_sine, Adjust&& adjust) {
         if (!adjust(p)) return false;
@@ -73,7 +73,9 @@ class Hole {
         return allowed && reached >= needed_sine(threshold) && keeps_vertices() && commit(p);
     }
 
+    // A larger hole is not worth its time. [facets; > 0; B]
     static constexpr std::size_t most_facets = 60;
+    // The hole grows and the vertex climbs again so many times. [rounds; >= 0; B]
     static constexpr int rounds = 3;
 
     Facet facet(std::uint32_t c, int i) const;

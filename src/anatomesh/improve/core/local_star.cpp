@@ -38,7 +38,7 @@ double LocalStar::shortest_distance(Vec3 p) const {
 // The shortest vector in the convex hull of the gradients of the sines near the worst: along it all of them
 // grow.
 Vec3 LocalStar::direction(Vec3 p, double value, Vec3 normal, double delta) const {
-    constexpr std::size_t most = 10;
+    constexpr std::size_t most = 10;  // gradients that are combined [gradients; > 0; B]
     std::array<Vec3, most> gradients;
     std::size_t count = 0;
     const double near = value + 0.02 + 0.15 * std::abs(value);

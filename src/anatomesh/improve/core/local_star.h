@@ -58,8 +58,11 @@ class LocalStar {
     }
 
   private:
-    static constexpr int max_rounds = 12, max_halvings = 5;
-    static constexpr double least_rate = 0.01;  // of the sine, over the shortest distance
+    static constexpr int max_rounds = 12;   // steps of one ascent [steps; > 0; B]
+    static constexpr int max_halvings = 5;  // attempts at one step, each shorter [attempts; > 0; B]
+    // An ascent ends where the sine would grow by less than this over the shortest distance. [1; > 0; M
+    // 2026-11, set not recorded]
+    static constexpr double least_rate = 0.01;
 
     struct Face {
         Vec3 a, b, c;

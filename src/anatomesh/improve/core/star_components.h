@@ -11,7 +11,8 @@
 
 namespace anatomesh {
 
-// Of the cells at the vertex those that `is` says yes to. Uses the context's star. O(cells there, squared).
+// The components of those cells at the vertex that `is` accepts. Uses the context's star. O(cells there,
+// squared).
 template <class Is>
 std::vector<std::vector<std::uint32_t>> star_components(EditContext& edit, std::uint32_t vertex,
                                                         const Is& is) {
@@ -35,7 +36,7 @@ std::vector<std::vector<std::uint32_t>> star_components(EditContext& edit, std::
     return parts;
 }
 
-// Of a part of the cells at a vertex: contours there, then its size.
+// How much a component of the star is worth: the number of fixed edges there, then its size.
 inline std::array<std::size_t, 2> worth_at(const EditContext& edit, std::uint32_t vertex,
                                            const std::vector<std::uint32_t>& cells) {
     std::size_t fixed = 0;
@@ -48,7 +49,7 @@ inline std::array<std::size_t, 2> worth_at(const EditContext& edit, std::uint32_
     return {fixed, cells.size()};
 }
 
-// Of several parts that of the greatest worth.
+// The component of the greatest worth.
 inline auto worthiest_at(const EditContext& edit, std::uint32_t vertex,
                          const std::vector<std::vector<std::uint32_t>>& parts) {
     return std::max_element(parts.begin(), parts.end(), [&](const auto& x, const auto& y) {

@@ -14,7 +14,7 @@ namespace anatomesh {
 
 class SurfaceCount {
   public:
-    // Of the cells, which are to go to a region.
+    // `cells` are to be relabelled to the region `to`. Requires: context and owners outlive this.
     SurfaceCount(EditContext& edit, const ContourOwners& owners, std::span<const std::uint32_t> cells,
                  Region to);
 
@@ -24,7 +24,7 @@ class SurfaceCount {
     };
     Figures figures();
 
-    // Of these, those of whole structures: of regions walls are made, which may be in any number of parts.
+    // The characteristics of whole structures. Regions make walls, which may have any number of components.
     std::span<const int> of_structures(const Figures& figures) const;
 
     // These, one for each figure of them.

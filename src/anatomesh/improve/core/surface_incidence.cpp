@@ -9,9 +9,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double on_segment =
-    1e-6;                         // of a segment, as edges_along() has it: a vertex so near to it lies on it
-constexpr double on_line = 1e-9;  // of a subsegment: a vertex so near to it lies on it
+// A vertex nearer to a segment than this share of it lies on it, as edges_along() has it. [1; 0 to 0.01; D]
+constexpr double on_segment = 1e-6;
+// A vertex nearer to a subsegment than this share of it lies on it: it was put there. [1; 0 to 0.01; D]
+constexpr double on_line = 1e-9;
 
 }  // namespace
 

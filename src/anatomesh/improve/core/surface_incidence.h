@@ -21,7 +21,7 @@ class SurfaceIncidence {
     }
     // Finds the cells round an edge, for the context's ring; false where it is none, or on the hull.
     bool find_ring(std::uint32_t a, std::uint32_t b);
-    // Of the cells of the context's ring.
+    // Whether cells of both sides of the structure are in the context's ring.
     bool ring_is_mixed(std::uint32_t structure) const { return is_mixed(edit_.ring.cells, structure); }
 
     bool on_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure) {
@@ -31,7 +31,7 @@ class SurfaceIncidence {
         edit_.mesh.star(v, edit_.star);
         return is_mixed(edit_.star, structure);
     }
-    // An edge with cells of one side alone.
+    // Whether an edge has cells of one side alone round it.
     bool beside_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure) {
         return find_ring(a, b) && !ring_is_mixed(structure);
     }
@@ -40,7 +40,8 @@ class SurfaceIncidence {
     std::vector<std::uint32_t> row_from(std::uint32_t first, std::uint32_t last, std::uint32_t structure);
     // How far a step leads on along a way, times its length, if it lies on it within a millionth.
     static std::optional<double> onward(Vec3 step, Vec3 way);
-    // Of subsegments one after the other, each an edge or what fixed edges became of it.
+    // Whether a chain of subsegments lies on the surface, each as an edge or as the edges that it was split
+    // into.
     bool on_surface(std::span<const std::uint32_t> chain, std::uint32_t structure);
 
   private:

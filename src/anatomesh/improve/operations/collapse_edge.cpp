@@ -113,7 +113,7 @@ bool collapse_edge(EditContext& edit, std::uint32_t cell, int e, bool first_onto
         return edit.value(moved, region, threshold) >= edit.rule.needed_sine(threshold);
     };
     if (!collapse(edit, cell, e, first_onto_second, edit.options.max_deviation_mm, better)) return false;
-    ++edit.stats.edges_collapsed;
+    ++edit.stats.operations.edges_collapsed;
     return true;
 }
 

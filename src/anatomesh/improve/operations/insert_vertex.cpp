@@ -86,7 +86,7 @@ bool insert_vertex(EditContext& edit, std::uint32_t cell, int e) {
             done = again.fill(again.centre(), {}, most, better, anywhere);
         }
     }
-    edit.stats.vertices_inserted += done;
+    edit.stats.operations.vertices_inserted += done;
     return done;
 }
 

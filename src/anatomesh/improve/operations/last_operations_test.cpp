@@ -23,8 +23,8 @@ struct EditFixture {
         edit.table = &c.regions;
         edit.goal = 0.3;
     }
-    static DihedralOptions wide() {
-        DihedralOptions options;
+    static MeshImprovementOptions wide() {
+        MeshImprovementOptions options;
         options.max_deviation_mm = 100;
         return options;
     }
@@ -180,7 +180,7 @@ TEST(LastOperations, new_vertices_keep_surfaces_in_place_and_fixed_edges_as_chai
             return split_cell(w, cell) || insert_beside(w, cell);
         });
         EXPECT_GT(done, 0u);
-        EXPECT_EQ(edit.edit.stats.vertices_inserted, done);
+        EXPECT_EQ(edit.edit.stats.operations.vertices_inserted, done);
         const std::vector<std::uint8_t> fixed = edit.fixed;
         const TetMesh mesh = edit.take();
         EXPECT_GT(mesh.points.size(), c.mesh.points.size());
@@ -210,7 +210,7 @@ TEST(LastOperations, a_vertex_beside_flat_cells_leaves_every_facet_of_a_surface)
         const std::size_t done = edit.try_all(
             [](EditContext& w, std::uint32_t cell) { return w.sine(cell) <= 0.2 && insert_beside(w, cell); });
         EXPECT_GT(done, 0u);
-        EXPECT_EQ(edit.edit.stats.vertices_inserted, done);
+        EXPECT_EQ(edit.edit.stats.operations.vertices_inserted, done);
         const TetMesh mesh = edit.take();
         expect_sound_mesh(mesh, c.mesh);
         EXPECT_GE(worst_sine(mesh), worst_sine(c.mesh));

@@ -149,7 +149,7 @@ bool move_vertex(EditContext& edit, std::uint32_t v) {
         : surface ? edit.scratch.local.ascend(p, threshold.sine, edit.goal, fan.normal, Slide(edit, v, fan))
                   : edit.scratch.local.ascend(p, threshold.sine, edit.goal, {}, always);
     if (reached < needed || p == from || !edit.commit_move(v, p)) return false;
-    edit.count(surface ? &DihedralStats::surface_vertices_moved : &DihedralStats::vertices_moved);
+    edit.count(surface ? &OperationCounts::surface_vertices_moved : &OperationCounts::vertices_moved);
     return true;
 }
 

@@ -1,4 +1,4 @@
-// The operations of improve_dihedrals(). Each tries one change of the mesh on an edit context, does it if it
+// The operations of improve_mesh(). Each tries one change of the mesh on an edit context, does it if it
 // raises the least sine of the cells concerned, says whether it did, and leaves the cells made or reshaped in
 // `changed`.
 #pragma once
@@ -42,24 +42,16 @@ bool relabel_cell(EditContext& edit, std::uint32_t cell);
 bool may_relabel(EditContext& edit, std::uint32_t cell, Region to, const ContourOwners& owners,
                  double least_sine_inside, double most_ratio);
 
-// The same of cells of one region that are relabelled together: also where one of them alone may not be.
+// Whether cells of one region may be relabelled together; they may even if one of them alone may not.
 bool may_relabel_all(EditContext& edit, std::span<const std::uint32_t> cells, Region to,
                      const ContourOwners& owners, double least_sine_inside, double most_ratio);
-
-// Relabels an ear - a cell with three facets on one surface, whose common vertex is free and off the field's
-// interface - to the region beyond, where the facet that comes to the surface in their place lies nearer to
-// the field's interface: the surface loses a spike, or a pit. A cell that comes inside must have at least
-// this sine.
-bool drop_ear(EditContext& edit, std::uint32_t cell, double least_sine_inside);
-// Whether it has such facets. Thread-safe while nothing changes.
-bool is_ear(const EditContext& edit, std::uint32_t cell);
 
 // Moves vertex `from` onto `to`, the other end of edge `e` of a cell, and drops the cells at the edge.
 bool collapse_edge(EditContext& edit, std::uint32_t cell, int e, bool first_onto_second);
 
-// The same for another purpose than shape: where cells that come inside have at least this sine and no higher
-// ratio, or than there was, and where no facet of a surface comes further than `spike_mm`, or than it was,
-// from the field's interface.
+// Collapses an edge for another purpose than shape. It does so if new cells inside have at least this sine
+// and no larger ratio, or are no worse than those there. No facet of a surface may come further than
+// `spike_mm` from the field's interface, or than it was.
 bool collapse_edge_within(EditContext& edit, std::uint32_t cell, int e, bool first_onto_second,
                           double least_sine_inside, double most_ratio);
 

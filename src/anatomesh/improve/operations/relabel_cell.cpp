@@ -121,8 +121,8 @@ class Wall {
     std::vector<std::array<Vec3, 3>> facets_;
 };
 
-// Of cells of one region. What lies within `still` of the wall as it was does not move it, however far from
-// the field's that is.
+// Whether the surface stays near the field's if cells of one region are relabelled. A facet within `still` of
+// the wall as it was does not move it, however far from the field's that is.
 bool keeps_near(EditContext& edit, std::span<const std::uint32_t> cells, Region to, double most,
                 double still = 0) {
     const Region own = edit.mesh.region(cells.front());
@@ -165,7 +165,8 @@ bool is_at_junction(const EditContext& edit, std::uint32_t cell, Region to) {
     return false;
 }
 
-// Those that come to the surface lie near the field's: the middles of facets may although a corner does not.
+// Whether vertices that come to the surface lie near the field's: a facet's middle may although a corner does
+// not.
 bool has_near_vertices(EditContext& edit, std::uint32_t cell, Region to, double most) {
     edit.look_between(edit.mesh.region(cell), to);
     const Cell& c = edit.mesh.cell(cell);
@@ -181,7 +182,7 @@ bool ends_the_mesh(const EditContext& edit, std::uint32_t cell) {
     return false;
 }
 
-// Those that come inside have a shape for it.
+// Whether cells that come inside have a shape for it.
 bool may_be_of(const EditContext& edit, std::span<const std::uint32_t> cells, double least_sine_inside,
                double most_ratio) {
     return std::all_of(cells.begin(), cells.end(), [&](std::uint32_t cell) {
@@ -201,7 +202,8 @@ bool lies_near(EditContext& edit, std::span<const std::uint32_t> cells, Region t
            });
 }
 
-// The same of several cells of one region; the mesh is as before afterwards.
+// Whether surfaces keep their topology if cells of one region are relabelled together. The mesh stays as it
+// is.
 bool keeps_surfaces(EditContext& edit, std::span<const std::uint32_t> cells, Region to,
                     const ContourOwners& owners) {
     const Region own = edit.mesh.region(cells.front());
@@ -243,7 +245,7 @@ bool relabel_cell(EditContext& edit, std::uint32_t cell) {
             continue;
         edit.mesh.set_region(cell, to);
         edit.changed.assign(1, cell);
-        ++edit.stats.cells_relabelled;
+        ++edit.stats.operations.cells_relabelled;
         return true;
     }
     return false;

@@ -7,6 +7,7 @@ namespace anatomesh {
 
 namespace {
 
+// The triangulation of a larger ring costs more than it gains. [vertices; >= 3; B]
 constexpr int most_ring = 9;
 
 // The best triangulation of a ring's polygon or of a part of it. Vertices i < j of the ring; piece (i, j) is
@@ -181,14 +182,14 @@ bool remove_edge(EditContext& edit, std::uint32_t cell, int e) {
     edit.scratch.regions.clear();
     if (facets.count == 2) {
         if (!remove_surface_edge(edit, facets, threshold, edit.rule.needed_sine(threshold))) return false;
-        edit.count(&DihedralStats::surface_edges_flipped);
+        edit.count(&OperationCounts::surface_edges_flipped);
         return true;
     }
     if (!RingTriangulation(edit, threshold)
              .append(0, size, edit.mesh.region(cell), edit.rule.needed_sine(threshold)))
         return false;
     if (!edit.commit(edit.ring.cells, edit.scratch.cells, edit.scratch.regions)) return false;
-    edit.count(&DihedralStats::edges_removed);
+    edit.count(&OperationCounts::edges_removed);
     return true;
 }
 
@@ -202,7 +203,7 @@ bool flip_edge(EditContext& edit, std::uint32_t cell, int e, double good_sine) {
     edit.scratch.cells.clear();
     edit.scratch.regions.clear();
     if (!remove_surface_edge(edit, facets, threshold, std::min(threshold.sine, good_sine))) return false;
-    edit.count(&DihedralStats::surface_edges_smoothed);
+    edit.count(&OperationCounts::surface_edges_smoothed);
     return true;
 }
 

@@ -26,7 +26,7 @@ bool remove_facet(EditContext& edit, std::uint32_t cell, int facet) {
     const Region region = edit.mesh.region(cell);
     const std::array<Region, 3> regions{region, region, region};
     if (!edit.commit(removed, added, regions)) return false;
-    edit.count(&DihedralStats::facets_removed);
+    edit.count(&OperationCounts::facets_removed);
     return true;
 }
 

@@ -9,7 +9,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double off_line = 1e-6;  // of a chain's vertices from the segment, in its lengths
+// A vertex nearer to a segment than this share of it lies on it. [1; 0 to 0.01; D]
+constexpr double off_line = 1e-6;
 
 // The ends of the edges of all interfaces that start at a vertex; an edge comes once for each facet at it.
 class InterfaceEdges {

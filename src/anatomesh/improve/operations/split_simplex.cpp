@@ -8,10 +8,13 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::array<double, 5> shares{0.5, 0.4, 0.6, 0.3, 0.7};  // of an edge, up to the new vertex
-constexpr std::array<double, 4> heights{0.25, 0.4, 0.15, 0.55};   // over a cell, in its longest edges
+// A new vertex stands at one of these shares of an edge. [1; 0 to 1; M 2026-11, set not recorded]
+constexpr std::array<double, 5> shares{0.5, 0.4, 0.6, 0.3, 0.7};
+// A new vertex stands over a cell at one of these heights, in longest edges of its largest facet. [1; 0 to 1;
+// M 2026-11, set not recorded]
+constexpr std::array<double, 4> heights{0.25, 0.4, 0.15, 0.55};
 
-// Across the largest facet of a cell, as long as the longest edge of that.
+// The vector across the largest facet of a cell, as long as the longest edge of that.
 Vec3 across_largest_facet(const EditContext& edit, std::uint32_t cell) {
     Vec3 normal{};
     double longest = 0;
@@ -41,7 +44,7 @@ bool split_edge(EditContext& edit, std::uint32_t cell, int e) {
             Hole tried = hole;
             if (!tried.fill_from(from + share * way, edit.rule.max_radius_edge, better)) continue;
             if (fixed) edit.fix_on_edge(static_cast<std::uint32_t>(edit.mesh.point_count() - 1), a, b);
-            ++edit.stats.vertices_inserted;
+            ++edit.stats.operations.vertices_inserted;
             return true;
         }
         return false;
@@ -67,7 +70,7 @@ bool split_facet(EditContext& edit, std::uint32_t cell, int facet) {
     const bool inside = edit.mesh.region(cell) == edit.mesh.region(beyond);
     const bool done = inside ? hole.fill(middle, {}, most, better, [](Vec3&) { return true; })
                              : hole.fill_from(middle, most, better);
-    edit.stats.vertices_inserted += done;
+    edit.stats.operations.vertices_inserted += done;
     return done;
 }
 
@@ -76,7 +79,7 @@ bool split_cell(EditContext& edit, std::uint32_t cell) {
     const auto better = [&](const QualityThreshold& threshold) { return edit.rule.needed_sine(threshold); };
     const bool done =
         hole.fill(hole.centre(), {}, edit.rule.max_radius_edge, better, [](Vec3&) { return true; });
-    edit.stats.vertices_inserted += done;
+    edit.stats.operations.vertices_inserted += done;
     return done;
 }
 
@@ -91,7 +94,7 @@ bool insert_beside(EditContext& edit, std::uint32_t cell) {
             const Vec3 p = middle + (side * height) * across;
             // The hole grows to where the vertex is.
             if (!Hole(edit, {cell}, {}).fill(p, {}, edit.rule.max_radius_edge, better, anywhere)) continue;
-            ++edit.stats.vertices_inserted;
+            ++edit.stats.operations.vertices_inserted;
             return true;
         }
     }

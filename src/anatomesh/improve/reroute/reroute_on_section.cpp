@@ -295,7 +295,7 @@ class SectionRerouting {
     bool attempt(ReroutedContour& rerouted, const Shore& here, const Shore& there, double near) {
         std::optional<SectionPath> way = find_way(rerouted, here, there);
         if (!way) return false;
-        const DihedralStats stats = edit_.stats;
+        const MeshImprovementStats stats = edit_.stats;
         edit_.mesh.begin_attempt();
         Attempt done;
         while (way && move_near(*way, near, done)) way = find_way(rerouted, here, there);

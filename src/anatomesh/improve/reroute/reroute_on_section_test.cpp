@@ -96,7 +96,7 @@ Routed reroute(const Drawn& drawn, double most_mm, double least_sine = any_sine,
     Routed result;
     result.fixed = drawn.labelled.fixed;
     EditMesh mesh(drawn.labelled.mesh, drawn.neighbors);
-    DihedralOptions options;
+    MeshImprovementOptions options;
     options.last_radius_edge = 1000;
     EditContext edit(mesh, result.fixed, {}, drawn.labelled.field, drawn.labelled.structures, options);
     edit.table = &drawn.labelled.regions;

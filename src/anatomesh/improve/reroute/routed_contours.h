@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/improve/core/drawn_slices.h"
 #include "anatomesh/measure/report.h"
+#include "anatomesh/mesh/model/routed_contour.h"
 
 namespace anatomesh {
 

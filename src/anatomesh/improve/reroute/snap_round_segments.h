@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/improve/core/drawn_slices.h"
+#include "anatomesh/mesh/model/routed_contour.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {

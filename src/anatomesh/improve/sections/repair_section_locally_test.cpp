@@ -313,7 +313,7 @@ TEST(RepairSectionLocally, a_cell_whose_far_vertex_would_come_to_the_surface_is_
     for (const double spike_mm : {0.3, 1.5}) {
         Wall wall;
         EditMesh edited(std::move(wall.mesh), wall.neighbors);
-        DihedralOptions options;
+        MeshImprovementOptions options;
         options.spike_mm = spike_mm;
         EditContext edit(edited, wall.fixed, {}, wall.field, 2, options);
         edit.table = &wall.table;
@@ -425,7 +425,7 @@ TEST(RepairSectionLocally, the_surface_leaves_a_vertex_that_cannot_cross_a_slice
             const ContourOwners owners({}, mesh.points.size());
             const fixtures::AnalyticField field({[&](Vec3 p) { return up * p.z - 0.1; }}, 10);
             EditMesh edited(std::move(mesh), neighbors);
-            DihedralOptions options;
+            MeshImprovementOptions options;
             options.spike_mm = 0.08;
             EditContext edit(edited, fixed, {}, field, 1, options);
             edit.table = &table;
@@ -483,7 +483,7 @@ TEST(RepairSectionLocally, a_cut_is_worth_a_price_for_what_is_wrong_beside_its_f
         const ContourOwners owners({}, mesh.points.size());
         const fixtures::AnalyticField field({[](Vec3 p) { return p.z - 0.05; }}, 10);
         EditMesh edited(std::move(mesh), neighbors);
-        DihedralOptions options;
+        MeshImprovementOptions options;
         options.target_degrees = 40;
         options.max_radius_edge = options.last_radius_edge = 20;
         EditContext edit(edited, fixed, {}, field, 1, options);

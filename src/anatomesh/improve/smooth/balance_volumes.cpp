@@ -8,7 +8,7 @@
 #include <map>
 #include <numbers>
 
-#include "anatomesh/improve/core/vertex_mover.h"
+#include "anatomesh/improve/smooth/vertex_mover.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/shape/quality.h"
 
@@ -70,11 +70,16 @@ class PlaneFit {
     }
 
   private:
+    // Keeps the system regular where facets lie in few directions, as a share of their area. [1; > 0; M
+    // 2026-11, set not recorded]
     static constexpr double stiffness = 0.01;
     std::array<std::array<double, 3>, 3> matrix_{};
     std::array<double, 3> right_{};
     double area_ = 0;
 };
+
+// A vertex on no flat end. [1; the largest index; D]
+constexpr std::uint32_t no_end = 0xFFFFFFFFu;
 
 class Balancer {
   public:
@@ -90,7 +95,7 @@ class Balancer {
           moved_(mesh.mesh.points.size()) {
         collect(mesh.neighbors, mesh.fixed);
         find_ends();
-        put_onto_ends(mesh.stars, options.max_radius_edge);
+        put_onto_ends(mesh.stars);
     }
 
     BalanceStats run() {
@@ -111,8 +116,6 @@ class Balancer {
     }
 
   private:
-    static constexpr std::uint32_t no_end = 0xFFFFFFFFu;
-
     void move_rounds(std::vector<double>& missing, BalanceStats& stats) {
         for (int round = 0; round < options_.rounds && worst(missing) > options_.tolerance; ++round) {
             find_offsets(missing);
@@ -190,9 +193,10 @@ class Balancer {
     }
 
     // Rather a slightly smaller angle than a step in the end.
-    void put_onto_ends(const VertexStars& stars, double max_radius_edge) {
+    void put_onto_ends(const VertexStars& stars) {
         if (!has_ends()) return;
-        VertexMover smaller_angle(mesh_, stars, max_radius_edge, std::sin(5 * std::numbers::pi / 180));
+        VertexMover smaller_angle(mesh_, stars, options_.max_radius_edge,
+                                  std::sin(5 * std::numbers::pi / 180));
         for (const std::uint32_t v : free_) {
             const Vec3 to = onto_end(v, mesh_.points[v]);
             if (to != mesh_.points[v] && !mover_.try_move(v, to)) smaller_angle.try_move(v, to);
@@ -345,7 +349,7 @@ class Balancer {
     std::vector<Facet> all_, facets_;  // by vertex the second
     std::vector<Interface> interfaces_;
     std::vector<std::uint32_t> free_;
-    // By vertex: the flat end that it is on; the one that it is on or shares a facet with.
+    // By vertex: the flat end that it lies on; the one that it lies on or shares a facet with.
     std::vector<std::uint32_t> end_of_, beside_end_;
     std::vector<double> outward_;  // 1 where the solid ends upwards there, -1 downwards
     std::vector<Vec3> moved_;

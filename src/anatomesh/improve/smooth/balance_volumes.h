@@ -41,7 +41,7 @@ struct BalanceStats {
 // cannot be met like that the ends move as well (ends_held). No vertex passes through a slice's plane: what
 // is cut there would be another area than is drawn. Guarantees: fixed vertices do not move;
 // connectivity and regions do not change; every cell stays positive by exact orientation; the worst
-// radius-edge ratio of the cells inside round a vertex never rises above both `max_radius_edge` and what it
+// radius-edge ratio of the cells inside round a vertex never rises above both the bound and what it
 // was; nor does the least sine of their dihedral angles fall below both that of the smallest angle allowed
 // and what it was. A structure without free vertices keeps its volume. Requires: targets of all structures,
 // in mm^3. Complexity: linear in the

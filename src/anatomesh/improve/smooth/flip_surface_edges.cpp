@@ -14,9 +14,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t no_facet = 0xFFFFFFFFu;
+constexpr std::uint32_t no_facet = 0xFFFFFFFFu;  // [1; the largest index; D]
 
-// Between two regions; counter-clockwise seen from the one with the smaller number.
+// A facet between two regions, counter-clockwise seen from the one with the smaller number.
 struct SurfaceFacet {
     std::array<std::uint32_t, 3> corners{};
     std::array<std::uint32_t, 3> across{};  // the facet beyond the edge opposite a corner; none at a junction
@@ -25,7 +25,8 @@ struct SurfaceFacet {
     Vec3 normal;
 };
 
-// Of unit vectors, in radians, to 7e-5: Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.45.
+// The angle between unit vectors, in radians, to 7e-5: Abramowitz and Stegun, Handbook of Mathematical
+// Functions, 4.4.45.
 double angle_between(Vec3 n, Vec3 m) {
     const double cosine = dot(n, m), x = std::min(std::abs(cosine), 1.0);
     const double angle = std::sqrt(1 - x) * (1.5707288 + x * (-0.2121144 + x * (0.0742610 - 0.0187293 * x)));
@@ -60,7 +61,7 @@ class Flipper {
                 replace(flips[n], exchanges[n]);
                 flipped.insert(flipped.end(), {q.f, q.g});
                 changed.insert(changed.end(), exchanges[n].slots.begin(), exchanges[n].slots.end());
-                ++edit_.stats.surface_edges_smoothed;
+                ++edit_.stats.operations.surface_edges_smoothed;
             }
             work = with_neighbors(flipped, std::move(left));
         }
@@ -117,7 +118,7 @@ class Flipper {
             });
     }
 
-    // Of the edges of the facets those whose flip gains and that the cells let flip, with most to gain first.
+    // The flips of the facets' edges that gain and that the cells allow, the largest gain first.
     std::vector<Flip> find_flips(const std::vector<std::uint32_t>& work) {
         for (const std::uint32_t f : work) waits_[f] = 1;
         std::vector<Flip> flips = parallel_collect<Flip>(
@@ -194,7 +195,7 @@ class Flipper {
         });
     }
 
-    // Those that were left too.
+    // The facets, their neighbours, and those that were left.
     std::vector<std::uint32_t> with_neighbors(const std::vector<std::uint32_t>& changed,
                                               std::vector<std::uint32_t> left) const {
         std::vector<std::uint32_t> all = std::move(left);

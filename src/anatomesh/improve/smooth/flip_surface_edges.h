@@ -16,7 +16,7 @@ struct FlipOptions {
 // Vertices that lie on a curved surface leave open which diagonal of two neighbouring facets is an edge; of
 // the two the one is taken with which the facets meet each other and the four round them at the smaller
 // angles, added up. The sum keeps creases where they are. In each round those that gain most and share no
-// vertex are flipped at the same time. Guarantees: as improve_dihedrals(), with `good_sine` for the least
+// vertex are flipped at the same time. Guarantees: as improve_mesh(), with `good_sine` for the least
 // sine that cells may fall to; points do not move; edges where three regions meet and fixed edges stay; the
 // same for any `threads`. Appends to `changed` the cells made that are still there. Complexity: linear in the
 // cells and the flips tried. Follows: Dyn, Levin and Rippa, IMA J. Numer. Anal. 10, 1990 (angles between

@@ -12,7 +12,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/parallel_filter.h"
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/core/vertex_mover.h"
+#include "anatomesh/improve/smooth/vertex_mover.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {
@@ -95,7 +95,7 @@ class Improver {
         return all;
     }
 
-    // Those inside with a ratio above the bound.
+    // The cells inside with a ratio above the bound.
     std::vector<std::uint32_t> bad_of(const std::vector<std::uint32_t>& cells, int threads) const {
         const double bound = options_.max_radius_edge * options_.max_radius_edge;
         return parallel_filter(cells, threads, [&](std::uint32_t c) {

@@ -6,8 +6,8 @@
 
 #include "anatomesh/cull/culled_mesh_for_test.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/improve/core/vertex_mover.h"
 #include "anatomesh/improve/smooth/balance_volumes.h"
+#include "anatomesh/improve/smooth/vertex_mover.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
 

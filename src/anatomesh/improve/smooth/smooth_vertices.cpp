@@ -11,33 +11,44 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/parallel_filter.h"
 #include "anatomesh/geom/vec.h"
-#include "anatomesh/improve/core/ratio_slopes.h"
-#include "anatomesh/improve/core/star_ratios.h"
-#include "anatomesh/improve/core/vertex_mover.h"
+#include "anatomesh/improve/smooth/ratio_slopes.h"
+#include "anatomesh/improve/smooth/star_ratios.h"
+#include "anatomesh/improve/smooth/vertex_mover.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {
 
 namespace {
 
-// Of the sum of ratios.
+// What a descent of the sum of ratios must be worth.
 struct Worth {
     float look;   // steeper than this, for a way of an edge, a vertex is looked at
     double gain;  // for which it is moved
 };
 constexpr Worth usual_worth{0.15f, 0.005}, further_worth{0.03f, 0.001};
-// In mean edges at the vertex.
-constexpr double step_share = 0.1;    // is tried first
-constexpr double longest_move = 0.3;  // of a descent
-constexpr int descents = 4;           // a vertex, in a pass
-// Of the sum of ratios.
-constexpr double least_slope = 0.0005;    // in a step, for which a descent is tried
-constexpr double little_gain = 0.001;     // after which no other one is
-constexpr double gain_units = 1e6;        // of gains that are summed, in 1
-constexpr double most_gain = 1e6;         // the sum is infinite where a cell is next to flat
-constexpr std::size_t usual_facets = 12;  // at a vertex, at most
-constexpr double smooth_cosine = 0.9;  // of the facets' normals with their mean, at a vertex that may slide
-constexpr double turned_cosine = 0.8;  // the same after it slid
+// The first step of a descent is as long. [mean edges at the vertex; 0 to 1; M 2026-11, set not recorded]
+constexpr double step_share = 0.1;
+// A descent goes no farther. [mean edges at the vertex; 0 to 1; M 2026-11, set not recorded]
+constexpr double longest_move = 0.3;
+// Descents of a vertex in a pass. [descents; > 0; B]
+constexpr int descents = 4;
+// A descent is made if the sum of ratios falls by more than this in a first step. [1; >= 0; M 2026-11, set
+// not recorded]
+constexpr double least_slope = 0.0005;
+// After a descent that gains a smaller share of the sum no further one is made. [1; >= 0; M 2026-11, set not
+// recorded]
+constexpr double little_gain = 0.001;
+// Gains are summed as integers of this many units, so that their order does not count. [units; > 0; D]
+constexpr double gain_units = 1e6;
+// The sum is infinite where a cell is next to flat; a gain counts as no more than this. [1; > 0; D]
+constexpr double most_gain = 1e6;
+// Room for the facets at a vertex that needs no allocation. [facets; > 0; B]
+constexpr std::size_t usual_facets = 12;
+// A vertex may slide if the normals of its facets have at least this cosine with their mean. [1; 0 to 1; M
+// 2026-11, set not recorded]
+constexpr double smooth_cosine = 0.9;
+// After it slid they have at least this one. [1; 0 to 1; M 2026-11, set not recorded]
+constexpr double turned_cosine = 0.8;
 
 class Smoother {
   public:
@@ -69,7 +80,7 @@ class Smoother {
             if (mean_ <= options_.max_mean || !smooth(all, context)) break;
             all = false;
         }
-        return {inner_moves_ + surface_moves_, surface_moves_};
+        return {moves_.inner + moves_.surface, moves_.surface};
     }
 
   private:
@@ -87,7 +98,7 @@ class Smoother {
             if (slopes.on_interface[v]) {
                 slide_along_interface(v);
             } else if (move_inside(v)) {
-                inner_moves_.fetch_add(1, std::memory_order_relaxed);
+                moves_.inner.fetch_add(1, std::memory_order_relaxed);
             }
         });
         if (slopes.cells > 0)
@@ -111,7 +122,7 @@ class Smoother {
     void slide_along_interface(std::uint32_t v) {
         Interface interface;
         if (find_interface(v, interface) && slide(v, interface))
-            surface_moves_.fetch_add(1, std::memory_order_relaxed);
+            moves_.surface.fetch_add(1, std::memory_order_relaxed);
     }
 
     // The interface at a vertex: its facets, and the regions on both sides.
@@ -294,10 +305,12 @@ class Smoother {
     Worth worth_ = usual_worth;
     std::vector<std::uint32_t> vertices_;  // all
     std::vector<std::uint8_t> moved_;      // by vertex, in the last pass
-    double mean_ = 0;                      // ratio inside, after it
-    std::atomic<std::int64_t> gained_ =
-        0;  // in it, of the sum of the ratios; whole units: in any order the same
-    std::atomic<std::uint64_t> inner_moves_ = 0, surface_moves_ = 0;
+    double mean_ = 0;                      // ratio inside, after the last pass
+    // The fall of the sum of the ratios in the last pass, in whole units: it is the same in any order.
+    std::atomic<std::int64_t> gained_ = 0;
+    struct {
+        std::atomic<std::uint64_t> inner = 0, surface = 0;
+    } moves_;  // in all passes
 };
 
 }  // namespace

@@ -131,7 +131,7 @@ class SurfaceRecovery {
 
     Outcome attempt(const Chain& chain, const Membrane& membrane, Region own, MembraneReach reach,
                     double thickness, std::size_t most_more) {
-        const DihedralStats stats = edit_.stats;
+        const MeshImprovementStats stats = edit_.stats;
         edit_.mesh.begin_attempt();
         std::optional<RelabelledNeighborhood> made = relabel_membrane_neighborhood(
             edit_, owners_, chain, membrane, own, reach, thickness, areas_ ? &*areas_ : nullptr);

@@ -160,7 +160,7 @@ struct Bricks {
         std::vector<std::uint8_t> fixed(mesh.points.size(), 1);
         const fixtures::AnalyticField field({2, [](Vec3) { return 1.0; }}, 10);
         EditMesh edited(std::move(mesh), neighbors);
-        DihedralOptions options;
+        MeshImprovementOptions options;
         if (least_sine == any_shape) {
             options.max_radius_edge = max_radius_edge;
             options.last_radius_edge = any_ratio;

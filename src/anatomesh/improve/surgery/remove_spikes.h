@@ -8,6 +8,13 @@
 
 namespace anatomesh {
 
+// Spikes and pits of one cell: a cell with three facets on one surface, whose common vertex is free and off
+// the field's interface, is relabelled to the region beyond, where the facet that comes to the surface in
+// their place lies nearer to the field's interface. Goes on with the cells beside as long as there are such.
+// A cell that comes inside must have at least this sine, and no ratio above the edit context's bound. Returns
+// the number of cells. Guarantees: no vertex moves; surfaces keep their topology. O(cells)
+std::uint64_t remove_cell_spikes(EditContext& edit, double least_sine, int threads);
+
 struct SpikeStats {
     std::uint64_t found = 0, removed = 0;
 };

@@ -72,7 +72,7 @@ TEST(RemoveSpikes, surfaces_come_nearer_to_the_field_and_stay_what_they_are) {
             // No cell is worse than what is asked of new ones, or than the worst there was.
             EXPECT_GE(worst_sine(done.mesh), std::min(worst_sine(c.mesh), ten_degrees));
             EXPECT_LE(worst_ratio(done.mesh),
-                      std::max(worst_ratio(c.mesh), DihedralOptions{}.last_radius_edge));
+                      std::max(worst_ratio(c.mesh), MeshImprovementOptions{}.last_radius_edge));
             if (done.stats.removed == 0) continue;
             EXPECT_LT(far_off(done.mesh, c, spike_mm), far_off(c.mesh, c, spike_mm));
         }

@@ -254,7 +254,7 @@ class HandleRemoval {
     enum class Outcome { done, unsound, bad };
 
     Outcome attempt(const Membrane& membrane, Region own, const Way& way) {
-        const DihedralStats stats = edit_.stats;
+        const MeshImprovementStats stats = edit_.stats;
         edit_.mesh.begin_attempt();
         const Outcome outcome = change(membrane, own, way);
         edit_.mesh.end_attempt(outcome == Outcome::done);

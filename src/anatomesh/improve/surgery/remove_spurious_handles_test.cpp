@@ -98,7 +98,7 @@ struct Grid {
                const ImproveCells& improve = nothing) {
         const TetMesh before = mesh;
         EditMesh edited(std::move(mesh), neighbors);
-        DihedralOptions options;
+        MeshImprovementOptions options;
         options.spike_mm = 10;
         options.max_radius_edge = options.last_radius_edge = 100;
         EditContext edit(edited, fixed, edges, field, 2, options);

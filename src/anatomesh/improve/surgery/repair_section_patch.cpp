@@ -180,7 +180,7 @@ class SectionPatchRepair {
     }
 
     Outcome attempt(const SectionPatch& patch, std::size_t cut, const Way& way, bool may_part) {
-        const DihedralStats stats = edit_.stats;
+        const MeshImprovementStats stats = edit_.stats;
         edit_.mesh.begin_attempt();
         const Outcome outcome = change(patch, cut, way, may_part);
         edit_.mesh.end_attempt(outcome == Outcome::done);

@@ -83,7 +83,7 @@ struct Block {
         const ImproveCells& improve = [](auto) { return std::vector<std::uint32_t>{}; },
         double least_sine = any_shape) {
         EditMesh edited(std::move(mesh), neighbors);
-        DihedralOptions options;
+        MeshImprovementOptions options;
         options.spike_mm = 10;
         options.max_radius_edge = options.last_radius_edge = 100;
         EditContext edit(edited, fixed, contour, field, 1, options);
@@ -330,7 +330,7 @@ TEST(RepairSectionPatch, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_
         const TetMesh before = made.mesh;
         std::vector<std::uint32_t> neighbors = cell_neighbors(made.mesh.cells, made.mesh.points.size());
         EditMesh edited(std::move(made.mesh), neighbors);
-        DihedralOptions options;
+        MeshImprovementOptions options;
         options.spike_mm = 10;
         options.max_radius_edge = options.last_radius_edge = 100;
         EditContext edit(edited, made.fixed, {}, made.field, made.structures, options);

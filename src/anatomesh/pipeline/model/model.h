@@ -8,8 +8,8 @@
 #include "anatomesh/base/contract.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/field/model/structure_field.h"
-#include "anatomesh/improve/core/drawn_slices.h"
 #include "anatomesh/measure/report.h"
+#include "anatomesh/mesh/model/routed_contour.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/core/star_ratios.h"
+#include "anatomesh/improve/smooth/star_ratios.h"
 
 #include <algorithm>
 #include <cassert>
@@ -11,8 +11,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr float far_away = 1e12f;  // of facets that fill up the lanes: their ratios do not count
-constexpr float surely = 1.01f;    // by so much better than needed
+// Facets that fill up the lanes lie so far away that their ratios do not count. [mm; > 0; D]
+constexpr float far_away = 1e12f;
+// What is better than needed by this factor in single precision is better. [1; > 1; D]
+constexpr float surely = 1.01f;
+// Six volumes of a cell next to flat, which single precision cannot judge. [cubes of the longest edge; > 0;
+// D]
 constexpr float nearly_flat_shape = 1e-3f;
 
 }  // namespace
@@ -20,20 +24,20 @@ constexpr float nearly_flat_shape = 1e-3f;
 StarRatios::StarRatios(const TetMesh& mesh, std::span<const std::uint32_t> star, std::uint32_t v) {
     assert(star.size() <= most_cells);
     for (const std::uint32_t c : star) {
-        if (mesh.regions[c] != 0) add(inside_++, mesh, c, v);
+        if (mesh.regions[c] != 0) add(count_.inside++, mesh, c, v);
     }
     double length_sum = 0;
-    for (std::size_t n = 0; n < inside_; ++n)
+    for (std::size_t n = 0; n < count_.inside; ++n)
         length_sum += std::sqrt(p_.x[n] * p_.x[n] + p_.y[n] * p_.y[n] + p_.z[n] * p_.z[n]);
-    mean_edge_ = inside_ == 0 ? 0 : length_sum / static_cast<double>(inside_);
-    outside_ = end_ = (inside_ + lanes - 1) / lanes * lanes;
-    if (inside_ < star.size()) {
+    mean_edge_ = count_.inside == 0 ? 0 : length_sum / static_cast<double>(count_.inside);
+    count_.outside = count_.end = (count_.inside + lanes - 1) / lanes * lanes;
+    if (count_.inside < star.size()) {
         for (const std::uint32_t c : star) {
-            if (mesh.regions[c] == 0) add(end_++, mesh, c, v);
+            if (mesh.regions[c] == 0) add(count_.end++, mesh, c, v);
         }
     }
     prepare();
-    fill_up(inside_, outside_);
+    fill_up(count_.inside, count_.outside);
 }
 
 // (v, p, q, r) is positive when p, q, r run counter-clockwise seen from v.
@@ -65,7 +69,7 @@ void StarRatios::fill_up(std::size_t first, std::size_t last) {
 
 ANATOMESH_CLONES void StarRatios::prepare() {
     const float scale = mean_edge_ > 0 ? static_cast<float>(1 / mean_edge_) : 1.0f;
-    for (std::size_t n = 0; n < end_; ++n) {
+    for (std::size_t n = 0; n < count_.end; ++n) {
         const float px = p_.x[n] * scale, py = p_.y[n] * scale, pz = p_.z[n] * scale;
         const float qx = q_.x[n] * scale, qy = q_.y[n] * scale, qz = q_.z[n] * scale;
         const float rx = r_.x[n] * scale, ry = r_.y[n] * scale, rz = r_.z[n] * scale;
@@ -73,7 +77,7 @@ ANATOMESH_CLONES void StarRatios::prepare() {
         q_.x[n] = qx, q_.y[n] = qy, q_.z[n] = qz;
         r_.x[n] = rx, r_.y[n] = ry, r_.z[n] = rz;
     }
-    for (std::size_t n = 0; n < end_; ++n) {
+    for (std::size_t n = 0; n < count_.end; ++n) {
         const float ax = q_.x[n] - p_.x[n], ay = q_.y[n] - p_.y[n], az = q_.z[n] - p_.z[n];
         const float bx = r_.x[n] - p_.x[n], by = r_.y[n] - p_.y[n], bz = r_.z[n] - p_.z[n];
         const float cx = r_.x[n] - q_.x[n], cy = r_.y[n] - q_.y[n], cz = r_.z[n] - q_.z[n];
@@ -100,7 +104,7 @@ ANATOMESH_CLONES double StarRatios::sum(Vec3 move) const {
     const auto x = static_cast<float>(move.x), y = static_cast<float>(move.y), z = static_cast<float>(move.z);
     constexpr float infinity = std::numeric_limits<float>::infinity();
     Row ratio;
-    for (std::size_t n = 0; n < outside_; ++n) {
+    for (std::size_t n = 0; n < count_.outside; ++n) {
         const float dx = x - center_.x[n], dy = y - center_.y[n], dz = z - center_.z[n];
         const float height = normal_.x[n] * x + normal_.y[n] * y + normal_.z[n] * z + height_[n];
         const float t = (dx * dx + dy * dy + dz * dz - squared_radius_[n]) / (2 * height);
@@ -115,7 +119,7 @@ ANATOMESH_CLONES double StarRatios::sum(Vec3 move) const {
         ratio[n] = height > 0 ? value : infinity;
     }
     std::array<float, lanes> sums{};
-    for (std::size_t n = 0; n < outside_; n += lanes) {
+    for (std::size_t n = 0; n < count_.outside; n += lanes) {
         for (std::size_t k = 0; k < lanes; ++k) sums[k] += ratio[n + k];
     }
     return double{sums[0]} + sums[1] + (double{sums[2]} + sums[3]);
@@ -127,7 +131,7 @@ ANATOMESH_CLONES double StarRatios::sum(Vec3 move, Vec3& gradient) const {
     constexpr float infinity = std::numeric_limits<float>::infinity();
     Row ratio;
     Rows slope;
-    for (std::size_t n = 0; n < outside_; ++n) {
+    for (std::size_t n = 0; n < count_.outside; ++n) {
         const float dx = x - center_.x[n], dy = y - center_.y[n], dz = z - center_.z[n];
         const float height = normal_.x[n] * x + normal_.y[n] * y + normal_.z[n] * z + height_[n];
         const float t = (dx * dx + dy * dy + dz * dz - squared_radius_[n]) / (2 * height);
@@ -154,7 +158,7 @@ ANATOMESH_CLONES double StarRatios::sum(Vec3 move, Vec3& gradient) const {
         slope.z[n] = along * (dz - t * normal_.z[n]) - beside * tz;
     }
     std::array<float, lanes> sums{}, sx{}, sy{}, sz{};
-    for (std::size_t n = 0; n < outside_; n += lanes) {
+    for (std::size_t n = 0; n < count_.outside; n += lanes) {
         for (std::size_t k = 0; k < lanes; ++k) {
             sums[k] += ratio[n + k];
             sx[k] += slope.x[n + k];
@@ -169,11 +173,11 @@ ANATOMESH_CLONES double StarRatios::sum(Vec3 move, Vec3& gradient) const {
     return total(sums);
 }
 
-// Of a cell (v, a, b, c), with vectors to its vertices from v.
+// The measures of a cell (v, a, b, c), with vectors to its vertices from v.
 ANATOMESH_CLONES StarRatios::Worst StarRatios::worst(Vec3 move) const {
     const auto x = static_cast<float>(move.x), y = static_cast<float>(move.y), z = static_cast<float>(move.z);
     Row flatness, ratio, sine;
-    for (std::size_t n = 0; n < end_; ++n) {
+    for (std::size_t n = 0; n < count_.end; ++n) {
         const float ax = p_.x[n] - x, ay = p_.y[n] - y, az = p_.z[n] - z;
         const float bx = q_.x[n] - x, by = q_.y[n] - y, bz = q_.z[n] - z;
         const float cx = r_.x[n] - x, cy = r_.y[n] - y, cz = r_.z[n] - z;
@@ -184,7 +188,7 @@ ANATOMESH_CLONES StarRatios::Worst StarRatios::worst(Vec3 move) const {
         const float longest = ab < cf ? cf : ab;
         flatness[n] = height * twice_area_[n] / (longest * std::sqrt(longest));
     }
-    for (std::size_t n = 0; n < outside_; ++n) {
+    for (std::size_t n = 0; n < count_.outside; ++n) {
         const float ax = p_.x[n] - x, ay = p_.y[n] - y, az = p_.z[n] - z;
         const float bx = q_.x[n] - x, by = q_.y[n] - y, bz = q_.z[n] - z;
         const float cx = r_.x[n] - x, cy = r_.y[n] - y, cz = r_.z[n] - z;
@@ -196,7 +200,7 @@ ANATOMESH_CLONES StarRatios::Worst StarRatios::worst(Vec3 move) const {
         const float ab = a2 < b2 ? a2 : b2, cf = c2 < squared_shortest_[n] ? c2 : squared_shortest_[n];
         ratio[n] = (squared_radius_[n] + t * t) / (ab < cf ? ab : cf);
     }
-    for (std::size_t n = 0; n < outside_; ++n) {
+    for (std::size_t n = 0; n < count_.outside; ++n) {
         const float ax = p_.x[n] - x, ay = p_.y[n] - y, az = p_.z[n] - z;
         const float bx = q_.x[n] - x, by = q_.y[n] - y, bz = q_.z[n] - z;
         const float cx = r_.x[n] - x, cy = r_.y[n] - y, cz = r_.z[n] - z;
@@ -223,11 +227,11 @@ ANATOMESH_CLONES StarRatios::Worst StarRatios::worst(Vec3 move) const {
         sine[n] = height * height / (fa * fb * fc) * least;
     }
     Worst worst{0, 1, 1};
-    for (std::size_t n = 0; n < end_; ++n) {
-        if (n >= inside_ && n < outside_) continue;
+    for (std::size_t n = 0; n < count_.end; ++n) {
+        if (n >= count_.inside && n < count_.outside) continue;
         if (!(flatness[n] >= worst.flattest)) worst.flattest = flatness[n];
     }
-    for (std::size_t n = 0; n < inside_; ++n) {
+    for (std::size_t n = 0; n < count_.inside; ++n) {
         if (!(ratio[n] <= worst.squared_ratio)) worst.squared_ratio = ratio[n];
         if (!(sine[n] >= worst.squared_sine)) worst.squared_sine = sine[n];
     }

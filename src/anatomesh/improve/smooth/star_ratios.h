@@ -17,14 +17,14 @@ namespace anatomesh {
 // precision, several cells at a time; the same results on every machine. Allocates nothing.
 class StarRatios {
   public:
-    static constexpr std::size_t most_cells = 96;
+    static constexpr std::size_t most_cells = 96;  // a larger star is not held [cells; > 0; B]
 
     // Requires: at most most_cells cells in the star; v is a vertex of all of them.
     StarRatios(const TetMesh& mesh, std::span<const std::uint32_t> star, std::uint32_t v);
 
     double mean_edge() const { return mean_edge_; }  // from the vertex to those beside it inside; 0 without
 
-    // Of the ratios of the cells inside, to five figures; infinite where one of them is not positive.
+    // The sum of the ratios of the cells inside, to five figures; infinite where one of them is not positive.
     double sum(Vec3 move) const;
 
     // The sum and its gradient, where all of them are positive.
@@ -38,8 +38,8 @@ class StarRatios {
     Verdict judge(Vec3 move, double max_ratio, double min_sine) const;
 
   private:
-    static constexpr std::size_t lanes = 4, capacity = most_cells + lanes;
-    using Row = std::array<float, capacity>;
+    static constexpr std::size_t lanes = 4;  // cells that are worked on at a time [cells; > 0; D]
+    using Row = std::array<float, most_cells + lanes>;
     struct Rows {  // a vector to a cell
         Row x, y, z;
     };
@@ -53,8 +53,11 @@ class StarRatios {
     void prepare();
     void fill_up(std::size_t first, std::size_t last);
 
-    // Those inside from 0 to inside_, filled up to whole lanes; those outside from outside_ to end_.
-    std::size_t inside_ = 0, outside_ = 0, end_ = 0;
+    // Cells inside are numbered from 0 to `inside`, filled up to whole lanes; those outside from `outside` to
+    // `end`.
+    struct {
+        std::size_t inside = 0, outside = 0, end = 0;
+    } count_;
     double mean_edge_ = 0;
     Rows p_, q_, r_, center_, normal_;  // the facet; its normal of length 1 looks to the vertex
     Row height_;                        // of the vertex above the facet where it is

@@ -1,10 +1,10 @@
-#include "anatomesh/improve/core/star_ratios.h"
+#include "anatomesh/improve/smooth/star_ratios.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "anatomesh/improve/core/vertex_mover.h"
 #include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/improve/smooth/vertex_mover.h"
 #include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {

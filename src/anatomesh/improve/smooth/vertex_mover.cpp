@@ -1,4 +1,4 @@
-#include "anatomesh/improve/core/vertex_mover.h"
+#include "anatomesh/improve/smooth/vertex_mover.h"
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,11 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double nearly_flat = 1e-3;  // six volumes in cubes of the longest edge
-constexpr double clearly = 1 + 1e-9;  // by a factor that rounding does not come near to
+// Six volumes of a cell next to flat: a move makes none, and keeps those there are. [cubes of the longest
+// edge; > 0; M 2026-11, set not recorded]
+constexpr double nearly_flat = 1e-3;
+// A factor that rounding does not come near to. [1; > 1; D]
+constexpr double clearly = 1 + 1e-9;
 
 }  // namespace
 
@@ -59,7 +62,9 @@ bool VertexMover::try_better(std::uint32_t v, Vec3 p, Shape& worst) {
 // grouped still.
 void VertexMover::for_each_apart(std::span<const std::uint32_t> vertices, int threads,
                                  const std::function<void(std::uint32_t)>& move) const {
-    constexpr std::size_t most_groups = 64, grouped_at_once = 4096, ahead = 4;
+    constexpr std::size_t most_groups = 64;        // bits of a word [groups; 1 to 64; D]
+    constexpr std::size_t grouped_at_once = 4096;  // vertices between two moves of a group [vertices; > 0; B]
+    constexpr std::size_t ahead = 4;  // vertices whose cells are fetched early [vertices; > 0; B]
     std::vector<std::vector<std::uint32_t>> groups(most_groups);
     std::vector<std::uint64_t> bit_of(mesh_.points.size(), 0);  // of the group; none for the last
     const auto group_some = [&](std::size_t first, std::size_t last) {

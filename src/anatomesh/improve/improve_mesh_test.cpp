@@ -1,4 +1,4 @@
-#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/improve_mesh.h"
 
 #include <cmath>
 #include <map>
@@ -19,28 +19,28 @@ using namespace fixtures;
 struct Improved {
     TetMesh mesh;
     std::vector<std::uint8_t> fixed;
-    DihedralStats stats;
+    MeshImprovementStats stats;
 };
 
 std::vector<std::uint32_t> neighbors_of(const TetMesh& mesh) {
     return cell_neighbors(mesh.cells, mesh.points.size());
 }
 
-Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {}, DihedralOptions options = {},
-                  int threads = 1) {
+Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {},
+                  MeshImprovementOptions options = {}, int threads = 1) {
     Improved result{c.mesh, c.fixed, {}};
     RunContext context;
     context.threads = threads;
     std::vector<std::uint32_t> neighbors = neighbors_of(c.mesh);
-    result.stats = improve_dihedrals(result.mesh, neighbors, result.fixed, edges, c.field, c.structures,
-                                     {&c.regions, {}}, options, context);
+    result.stats = improve_mesh(result.mesh, neighbors, {result.fixed, edges}, c.field, c.structures,
+                                {&c.regions, {}}, options, context);
     EXPECT_EQ(neighbors, neighbors_of(result.mesh));
     return result;
 }
 
 // Inside, with an angle below the target.
 std::size_t bad_cells(const TetMesh& mesh) {
-    const double target = std::sin(DihedralOptions{}.target_degrees * std::numbers::pi / 180);
+    const double target = std::sin(MeshImprovementOptions{}.target_degrees * std::numbers::pi / 180);
     std::size_t count = 0;
     for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
         const Cell& v = mesh.cells[c];
@@ -50,7 +50,7 @@ std::size_t bad_cells(const TetMesh& mesh) {
     return count;
 }
 
-TEST(ImproveDihedrals, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothing_worse) {
+TEST(ImproveMesh, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothing_worse) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
         const Improved done = improved(c);
@@ -64,15 +64,16 @@ TEST(ImproveDihedrals, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothin
         for (std::uint32_t s = 0; s < c.structures; ++s) {
             const auto before = on_surface(c.mesh, c.regions, s), after = on_surface(done.mesh, c.regions, s);
             for (std::size_t v = 0; v < c.fixed.size(); ++v) {
-                const bool near = std::abs(c.field.value(s, c.mesh.points[v])) <= DihedralOptions{}.spike_mm;
+                const bool near =
+                    std::abs(c.field.value(s, c.mesh.points[v])) <= MeshImprovementOptions{}.spike_mm;
                 ASSERT_TRUE(!c.fixed[v] || before[v] == after[v] || (before[v] && !near));
             }
         }
         EXPECT_GE(worst_sine(done.mesh), worst_sine(c.mesh));
-        const DihedralOptions bounds;
+        const MeshImprovementOptions bounds;
         EXPECT_LE(worst_ratio(done.mesh),
                   std::max(bounds.last_radius_edge, worst_ratio(c.mesh)) * (1 + 1e-9));
-        DihedralOptions strict;
+        MeshImprovementOptions strict;
         strict.last_radius_edge = strict.max_radius_edge;
         EXPECT_LE(worst_ratio(improved(c, {}, strict).mesh),
                   std::max(strict.max_radius_edge, worst_ratio(c.mesh)) * (1 + 1e-9));
@@ -82,7 +83,7 @@ TEST(ImproveDihedrals, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothin
 }
 
 // Most of the bad cells of a mesh whose vertices are free can be repaired.
-TEST(ImproveDihedrals, reaches_the_target_where_vertices_are_free) {
+TEST(ImproveMesh, reaches_the_target_where_vertices_are_free) {
     const LabelledCase c = sampled_case("ball", AnalyticField({ball({}, 6)}, 7), 1, 1'000'000);
     const Improved done = improved(c);
     EXPECT_GT(done.stats.bad_before, 10u);
@@ -99,7 +100,7 @@ TEST(ImproveDihedrals, reaches_the_target_where_vertices_are_free) {
 }
 
 // Speculation on several threads leaves out what would fail, and nothing else.
-TEST(ImproveDihedrals, several_threads_make_the_same_mesh_by_the_same_operations) {
+TEST(ImproveMesh, several_threads_make_the_same_mesh_by_the_same_operations) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
         const Improved one = improved(c);
@@ -109,20 +110,21 @@ TEST(ImproveDihedrals, several_threads_make_the_same_mesh_by_the_same_operations
             EXPECT_EQ(one.mesh.cells, several.mesh.cells);
             EXPECT_EQ(one.mesh.regions, several.mesh.regions);
             EXPECT_EQ(one.stats.tries, several.stats.tries);
-            EXPECT_EQ(one.stats.edges_removed, several.stats.edges_removed);
-            EXPECT_EQ(one.stats.vertices_moved, several.stats.vertices_moved);
-            EXPECT_EQ(one.stats.surface_edges_smoothed, several.stats.surface_edges_smoothed);
+            EXPECT_EQ(one.stats.operations.edges_removed, several.stats.operations.edges_removed);
+            EXPECT_EQ(one.stats.operations.vertices_moved, several.stats.operations.vertices_moved);
+            EXPECT_EQ(one.stats.operations.surface_edges_smoothed,
+                      several.stats.operations.surface_edges_smoothed);
         }
     }
 }
 
-TEST(ImproveDihedrals, repeats_bit_for_bit_and_leaves_what_is_good) {
+TEST(ImproveMesh, repeats_bit_for_bit_and_leaves_what_is_good) {
     const LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 7);
     const Improved first = improved(c), second = improved(c);
     EXPECT_EQ(first.mesh.points, second.mesh.points);
     EXPECT_EQ(first.mesh.cells, second.mesh.cells);
     EXPECT_EQ(first.mesh.regions, second.mesh.regions);
-    DihedralOptions easy;
+    MeshImprovementOptions easy;
     easy.target_degrees = 0;
     easy.flip_gain_degrees = 900;
     easy.last_radius_edge = 1e9;
@@ -154,11 +156,11 @@ double mean_angle(const TetMesh& mesh, const RegionTable& regions) {
 }
 
 // Ratios above the bound buy angles of at least 10 degrees.
-TEST(ImproveDihedrals, ratios_rise_above_the_bound_only_where_angles_below_10_degrees_go) {
+TEST(ImproveMesh, ratios_rise_above_the_bound_only_where_angles_below_10_degrees_go) {
     std::size_t bought = 0;
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
-        DihedralOptions strict;
+        MeshImprovementOptions strict;
         strict.last_radius_edge = strict.max_radius_edge;
         const auto below = [](const TetMesh& mesh) {
             std::size_t count = 0;
@@ -176,8 +178,9 @@ TEST(ImproveDihedrals, ratios_rise_above_the_bound_only_where_angles_below_10_de
 
 // Most cells above the bound that angles leave are lowered to it, at no angle below the least there was or
 // the target.
-TEST(ImproveDihedrals, lowers_ratios_above_the_bound_at_no_angle_below_the_target) {
-    const double bound = DihedralOptions{}.max_radius_edge, target = DihedralOptions{}.target_degrees;
+TEST(ImproveMesh, lowers_ratios_above_the_bound_at_no_angle_below_the_target) {
+    const double bound = MeshImprovementOptions{}.max_radius_edge,
+                 target = MeshImprovementOptions{}.target_degrees;
     const auto above = [&](const TetMesh& mesh) {
         std::size_t count = 0;
         for (std::size_t n = 0; n < mesh.cells.size(); ++n) {
@@ -190,11 +193,12 @@ TEST(ImproveDihedrals, lowers_ratios_above_the_bound_at_no_angle_below_the_targe
     std::size_t left = 0, after = 0;
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
-        DihedralOptions angles_alone;
+        MeshImprovementOptions angles_alone;
         angles_alone.ratio_passes = 0;
         const Improved before = improved(c, {}, angles_alone), done = improved(c);
         EXPECT_LE(above(done.mesh), above(before.mesh));
-        EXPECT_EQ(done.stats.cells_relabelled, before.stats.cells_relabelled);  // not by giving them away
+        EXPECT_EQ(done.stats.operations.cells_relabelled,
+                  before.stats.operations.cells_relabelled);  // not by giving them away
         EXPECT_GE(worst_sine(done.mesh),
                   std::min(worst_sine(before.mesh), std::sin(target * std::numbers::pi / 180)));
         left += above(before.mesh);
@@ -206,16 +210,16 @@ TEST(ImproveDihedrals, lowers_ratios_above_the_bound_at_no_angle_below_the_targe
 
 // Flips of a surface's edges make it smoother; no angle inside falls below the target for it, and edges that
 // are fixed stay.
-TEST(ImproveDihedrals, flips_edges_of_surfaces_for_smaller_angles_between_facets) {
+TEST(ImproveMesh, flips_edges_of_surfaces_for_smaller_angles_between_facets) {
     for (const LabelledCase& c :
          {sampled_case("torus", AnalyticField({torus(6, 2.5)}, 9), 1, 1'000'000),
           sampled_case("torus of fixed vertices", AnalyticField({torus(6, 2.5)}, 9), 1, 1)}) {
         SCOPED_TRACE(c.name);
-        DihedralOptions never;
+        MeshImprovementOptions never;
         never.flip_gain_degrees = 900;
         const Improved flipped = improved(c), not_flipped = improved(c, {}, never);
-        EXPECT_EQ(not_flipped.stats.surface_edges_smoothed, 0u);
-        EXPECT_GT(flipped.stats.surface_edges_smoothed, 10u);
+        EXPECT_EQ(not_flipped.stats.operations.surface_edges_smoothed, 0u);
+        EXPECT_GT(flipped.stats.operations.surface_edges_smoothed, 10u);
         EXPECT_LT(mean_angle(flipped.mesh, c.regions), 0.97 * mean_angle(not_flipped.mesh, c.regions));
         EXPECT_LE(flipped.stats.bad_after, not_flipped.stats.bad_after);
         expect_sound_mesh(flipped.mesh, c.mesh);
@@ -238,7 +242,7 @@ std::uint32_t cell_beyond_the_surface(const TetMesh& mesh, const std::vector<std
 }
 
 // Spikes and pits of one cell, made on a ball's surface, are taken off again.
-TEST(ImproveDihedrals, takes_spikes_and_pits_of_one_cell_off_the_surface) {
+TEST(ImproveMesh, takes_spikes_and_pits_of_one_cell_off_the_surface) {
     LabelledCase c = sampled_case("ball", AnalyticField({ball({}, 6)}, 7), 1, 1'000'000);
     const auto on = on_surface(c.mesh, c.regions, 0);
     const Region inside = 1;
@@ -258,7 +262,7 @@ TEST(ImproveDihedrals, takes_spikes_and_pits_of_one_cell_off_the_surface) {
     }
     ASSERT_GT(made, 4u);
     const Improved done = improved(c);
-    EXPECT_GE(done.stats.ears_dropped, made * 3 / 4);
+    EXPECT_GE(done.stats.surgeries.cell_spikes_removed, made * 3 / 4);
     const auto after = on_surface(done.mesh, c.regions, 0);
     for (std::size_t v = 0; v < on.size(); ++v) {
         if (on[v] || !after[v]) continue;
@@ -269,7 +273,7 @@ TEST(ImproveDihedrals, takes_spikes_and_pits_of_one_cell_off_the_surface) {
 // A nearly flat cell in a plane wall between two prisms that lie on the wall, one on either side, their sides
 // cut along such diagonals that neither has cells with the other one's diagonal in the wall (E. Schoenhardt,
 // Math. Ann. 98, 1928): no flip helps, there has to be a vertex within. All corners are fixed.
-TEST(ImproveDihedrals, a_flat_cell_in_a_wall_between_fixed_corners_gets_a_vertex_beside_it) {
+TEST(ImproveMesh, a_flat_cell_in_a_wall_between_fixed_corners_gets_a_vertex_beside_it) {
     LabelledCase c{"wall",
                    AnalyticField({[](Vec3 p) { return -p.x; }, [](Vec3 p) { return p.x; }}, 3),
                    2,
@@ -299,11 +303,11 @@ TEST(ImproveDihedrals, a_flat_cell_in_a_wall_between_fixed_corners_gets_a_vertex
     expect_sound_mesh(done.mesh, c.mesh);
     EXPECT_LT(done.stats.worst_before_degrees, 1e-3);
     EXPECT_GE(done.stats.worst_after_degrees, 10);
-    EXPECT_EQ(done.stats.vertices_inserted, 1u);
+    EXPECT_EQ(done.stats.operations.vertices_inserted, 1u);
 }
 
 // All edges of a surface whose vertices are fixed are kept when asked for.
-TEST(ImproveDihedrals, keeps_fixed_edges_on_the_surface) {
+TEST(ImproveMesh, keeps_fixed_edges_on_the_surface) {
     LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 11);
     std::vector<VertexPair> edges;
     for (const Triangle& f : structure_surface(c.mesh, c.regions, 0)) {
@@ -316,21 +320,21 @@ TEST(ImproveDihedrals, keeps_fixed_edges_on_the_surface) {
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     EXPECT_EQ(edges_along(c.mesh, neighbors_of(c.mesh), edges), edges);
     const Improved kept = improved(c, edges);
-    EXPECT_GT(kept.stats.edges_removed, 0u);
-    EXPECT_EQ(kept.stats.surface_edges_flipped + kept.stats.surface_edges_smoothed, 0u);
+    EXPECT_GT(kept.stats.operations.edges_removed, 0u);
+    EXPECT_EQ(kept.stats.operations.surface_edges_flipped + kept.stats.operations.surface_edges_smoothed, 0u);
     // They, or chains along them with a new vertex that is fixed.
     const auto split =
         std::count(kept.fixed.begin() + static_cast<std::ptrdiff_t>(c.fixed.size()), kept.fixed.end(), 1);
     EXPECT_EQ(edges_along(kept.mesh, neighbors_of(kept.mesh), edges).size(),
               edges.size() + static_cast<std::size_t>(split));
-    DihedralOptions loose;
+    MeshImprovementOptions loose;
     loose.max_deviation_mm = 10;
     const Improved flipped = improved(c, {}, loose);
-    EXPECT_GT(flipped.stats.surface_edges_flipped, 0u);
+    EXPECT_GT(flipped.stats.operations.surface_edges_flipped, 0u);
 }
 
 // So many that none is recovered to the surface.
-TEST(ImproveDihedrals, keeps_subsegments_beside_their_surface) {
+TEST(ImproveMesh, keeps_subsegments_beside_their_surface) {
     constexpr std::size_t every = 10, most_recovered = 40;
     LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 11);
     const std::vector<std::uint8_t> surface = on_surface(c.mesh, c.regions, 0);
@@ -361,10 +365,10 @@ TEST(ImproveDihedrals, keeps_subsegments_beside_their_surface) {
     drawn.subsegments_beside = subsegments;
     std::vector<std::uint32_t> neighbors = neighbors_of(c.mesh);
     RunContext context;
-    const DihedralStats stats =
-        improve_dihedrals(c.mesh, neighbors, c.fixed, {}, c.field, 1, drawn, {}, context);
-    EXPECT_GT(stats.edges_removed, 0u);
-    EXPECT_EQ(stats.subsegments_recovered, 0u);
+    const MeshImprovementStats stats =
+        improve_mesh(c.mesh, neighbors, {c.fixed, {}}, c.field, 1, drawn, {}, context);
+    EXPECT_GT(stats.operations.edges_removed, 0u);
+    EXPECT_EQ(stats.surgeries.subsegments_recovered, 0u);
     std::set<VertexPair> edges;
     for (const Cell& cell : c.mesh.cells) {
         for (const auto& [i, j] : cell_edges)
@@ -375,7 +379,7 @@ TEST(ImproveDihedrals, keeps_subsegments_beside_their_surface) {
 
 // Beside pairs of vertices that force ill-shaped cells others come out better when those may be the worse for
 // it, within bounds.
-TEST(ImproveDihedrals, cells_that_contours_crowd_give_way_to_ill_shaped_ones_beside_them) {
+TEST(ImproveMesh, cells_that_contours_crowd_give_way_to_ill_shaped_ones_beside_them) {
     std::vector<Vec3> pairs;
     std::mt19937 random(1);
     std::uniform_real_distribution<double> at(-4, 4), off(-0.02, 0.02);
@@ -394,7 +398,7 @@ TEST(ImproveDihedrals, cells_that_contours_crowd_give_way_to_ill_shaped_ones_bes
         drawn.table = &c.regions;
         if (spares) drawn.constraint_limited = constraint_limited;
         RunContext context;
-        improve_dihedrals(mesh, neighbors, held, {}, c.field, 1, drawn, {}, context);
+        improve_mesh(mesh, neighbors, {held, {}}, c.field, 1, drawn, {}, context);
         expect_sound_mesh(mesh, c.mesh);
         EXPECT_GE(worst_sine(mesh), std::min(worst_sine(c.mesh), 0.01));
         drawn.constraint_limited = constraint_limited;
@@ -404,7 +408,7 @@ TEST(ImproveDihedrals, cells_that_contours_crowd_give_way_to_ill_shaped_ones_bes
             if (mesh.regions[n] == 0 || drawn.are_constraint_limited(v)) continue;
             count += sine_of(mesh, v) < std::sin(10 * std::numbers::pi / 180) ||
                      radius_edge_ratio(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]],
-                                       mesh.points[v[3]]) > DihedralOptions{}.last_radius_edge;
+                                       mesh.points[v[3]]) > MeshImprovementOptions{}.last_radius_edge;
         }
         return count;
     };

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/core/ratio_slopes.h"
+#include "anatomesh/improve/smooth/ratio_slopes.h"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/core/ratio_slopes.h"
+#include "anatomesh/improve/smooth/ratio_slopes.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t pieces = 2;  // of the cells, summed on their own at any number of threads
+// The cells are summed in so many pieces, each on its own, so that sums are the same at any number of
+// threads. [pieces; > 0; B]
+constexpr std::size_t pieces = 2;
 constexpr Region unmet = 0xFFFF;
 
 struct Gathered {                               // of a vertex

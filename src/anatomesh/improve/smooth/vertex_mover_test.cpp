@@ -1,4 +1,4 @@
-#include "anatomesh/improve/core/vertex_mover.h"
+#include "anatomesh/improve/smooth/vertex_mover.h"
 
 #include <gtest/gtest.h>
 

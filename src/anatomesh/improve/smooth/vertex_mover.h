@@ -10,8 +10,8 @@
 
 namespace anatomesh {
 
-// Connectivity and regions of the mesh must not change while a mover looks at it. Vertices that share no cell may be
-// moved at the same time.
+// Connectivity and regions of the mesh must not change while a mover looks at it. Vertices that share no cell
+// may be moved at the same time.
 class VertexMover {
   public:
     // `stars`: the mesh's, which outlive the mover. `good_sine`: a least sine of dihedral angles that cells
@@ -36,8 +36,8 @@ class VertexMover {
     // As try_move, but only if the worst ratio falls. `worst`: the vertex's shape, before and after.
     bool try_better(std::uint32_t v, Vec3 p, Shape& worst);
 
-    // Calls move(v) for each of the vertices, which are distinct; at the same time for some that share no cell.
-    // The order does not depend on `threads`. Complexity: linear in the cells at the vertices.
+    // Calls move(v) for each of the vertices, which are distinct; at the same time for some that share no
+    // cell. The order does not depend on `threads`. Complexity: linear in the cells at the vertices.
     void for_each_apart(std::span<const std::uint32_t> vertices, int threads,
                         const std::function<void(std::uint32_t)>& move) const;
 
