@@ -34,10 +34,8 @@ class EncroachedSubsegments {
         : points_(points),
           protected_segments_(protected_segments),
           shortest_(options.shortest_mm),
-          growth_(options.growth),
-          graded_room_(growth_ > 0 ? options.shortest_graded_mm / (2 * growth_) : 0),
-          shortest_graded_(options.shortest_mm),
-          ungraded_before_(options.shortest_mm),
+          grading_{options.growth, options.growth > 0 ? options.shortest_graded_mm / (2 * options.growth) : 0,
+                   options.shortest_mm, options.shortest_mm},
           threads_(options.threads),
           slices_(options.slices),
           acute_(acute_vertices(points, subsegments)),
@@ -56,8 +54,8 @@ class EncroachedSubsegments {
 
     // From now on subsegments are graded down to this length.
     void grade_to(double shortest) {
-        ungraded_before_ = shortest_graded_;
-        shortest_graded_ = shortest;
+        grading_.shortest_before = grading_.shortest;
+        grading_.shortest = shortest;
     }
 
     // Says whether any was split.
@@ -96,11 +94,19 @@ class EncroachedSubsegments {
         }
         subsegments = std::move(next);
         first_fresh_ = first_new;
-        ungraded_before_ = shortest_graded_;
+        grading_.shortest_before = grading_.shortest;
         return points_.size() > first_new;
     }
 
   private:
+    // How much longer than the next vertex beside them subsegments may be, and down to which length.
+    struct Grading {
+        double growth;           // 0: they are not graded
+        double room;             // no vertex is nearer to a place of split; mm
+        double shortest;         // so far; mm
+        double shortest_before;  // in the last round; mm
+    };
+
     // Why a subsegment should be split.
     struct Want {
         bool encroached = false, ungraded = false;
@@ -130,7 +136,7 @@ class EncroachedSubsegments {
             }
             const Vec3 at = split_point(points_, subsegment, acute_);
             if (want.encroached && !is_taken(at, room)) return at;
-            if (want.ungraded && !is_taken(at, graded_room_) && !is_in_corner(at, subsegment)) return at;
+            if (want.ungraded && !is_taken(at, grading_.room) && !is_in_corner(at, subsegment)) return at;
         }
         if (want.beside == no_vertex) return std::nullopt;
         const Vec3 beside = points_[want.beside];
@@ -141,7 +147,7 @@ class EncroachedSubsegments {
 
     // Of the first subsegment of each ball.
     std::vector<Want> find_wants(const std::vector<Subsegment>& subsegments) {
-        if (growth_ > 0) find_neighbors(subsegments);
+        if (grading_.growth > 0) find_neighbors(subsegments);
         std::vector<Want> wants(subsegments.size());
         parallel_for(subsegments.size(), grain, threads_, [&](std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n) {
@@ -163,8 +169,9 @@ class EncroachedSubsegments {
         if (subsegment.a >= first_fresh_ || subsegment.b >= first_fresh_) return true;
         const Vec3 a = points_[subsegment.a], way = points_[subsegment.b] - a;
         const double span = length(way);
-        if (span < 2 * ungraded_before_ && span >= 2 * shortest_graded_) return true;
-        return fresh_.any_within(a + 0.5 * way, growth_ > 0 ? span * (0.5 + 1 / growth_) : 0.5 * span);
+        if (span < 2 * grading_.shortest_before && span >= 2 * grading_.shortest) return true;
+        return fresh_.any_within(a + 0.5 * way,
+                                 grading_.growth > 0 ? span * (0.5 + 1 / grading_.growth) : 0.5 * span);
     }
 
     static double mean_length(const std::vector<Vec3>& points, const std::vector<Subsegment>& subsegments) {
@@ -203,10 +210,10 @@ class EncroachedSubsegments {
     // Whether another vertex of the slice is nearer to the subsegment than its length allows. At a small
     // angle the next vertices on both sides are as near as they may be.
     bool is_ungraded(const Subsegment& subsegment) const {
-        if (!(growth_ > 0)) return false;
+        if (!(grading_.growth > 0)) return false;
         const Vec3 a = points_[subsegment.a], way = points_[subsegment.b] - a;
-        const double span = length(way), reach = span / growth_;
-        if (span < 2 * shortest_graded_) return false;
+        const double span = length(way), reach = span / grading_.growth;
+        if (span < 2 * grading_.shortest) return false;
         bool found = false;
         grid_.for_each_within(a + 0.5 * way, 0.5 * span + reach, [&](std::uint32_t v, double) {
             if (found || v == subsegment.a || v == subsegment.b || slices_[v] != slices_[subsegment.a])
@@ -227,7 +234,8 @@ class EncroachedSubsegments {
                 const std::uint32_t v = (*n)[1];
                 if (v == subsegment.a || v == subsegment.b || !is_next(v, subsegment)) continue;
                 const Vec3 way = points_[v] - points_[end], to = at - points_[end];
-                if (dot(to, way) < squared_length(way) && length(cross(way, to)) < graded_room_ * length(way))
+                if (dot(to, way) < squared_length(way) &&
+                    length(cross(way, to)) < grading_.room * length(way))
                     return true;
             }
             return false;
@@ -250,11 +258,11 @@ class EncroachedSubsegments {
         const Vec3 a = points_[all[0].a], way = points_[all[0].b] - a;
         const double span = length(way);
         std::uint32_t found = no_vertex;
-        if (!(growth_ > 0) || span < 2 * shortest_graded_) return found;
+        if (!(grading_.growth > 0) || span < 2 * grading_.shortest) return found;
         double nearest = HUGE_VAL;
         grid_.for_each_within(a + 0.5 * way, 0.5 * in_ball * span, [&](std::uint32_t v, double squared) {
             if (v == all[0].a || v == all[0].b || !counts(v, all)) return;
-            if (length(cross(way, points_[v] - a)) >= graded_room_ * span && !is_next(v, all[0])) return;
+            if (length(cross(way, points_[v] - a)) >= grading_.room * span && !is_next(v, all[0])) return;
             if (squared > nearest || (squared == nearest && v > found)) return;
             nearest = squared;
             found = v;
@@ -272,14 +280,13 @@ class EncroachedSubsegments {
 
     std::vector<Vec3>& points_;
     ProtectedSegments& protected_segments_;
-    const double shortest_, growth_, graded_room_;
-    double shortest_graded_;       // so far
-    double ungraded_before_;       // what it was in the last round
+    const double shortest_;
+    Grading grading_;
     std::size_t first_fresh_ = 0;  // the first point of the last round
     const int threads_;
     std::vector<std::uint32_t> slices_;  // by point, or empty
     std::vector<Owner> owners_;          // sorted; with slices
-    std::vector<VertexPair> neighbors_;  // sorted: ends of subsegments, both ways; with growth_
+    std::vector<VertexPair> neighbors_;  // sorted: ends of subsegments, both ways; with grading_.growth
     const std::vector<std::uint32_t> acute_;
     SegmentClusters apexes_;  // of none within slices
     const double cell_size_;

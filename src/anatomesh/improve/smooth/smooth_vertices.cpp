@@ -55,11 +55,9 @@ class Smoother {
     Smoother(const MovableMesh& mesh, const StructureField& field, std::uint32_t structures,
              const SmoothOptions& options)
         : mesh_(mesh.mesh),
-          neighbors_(mesh.neighbors),
-          fixed_(mesh.fixed),
+          movable_(mesh),
           field_(field),
           structures_(structures),
-          regions_(mesh.regions),
           options_(options),
           min_sine_(std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
           mover_(mesh.mesh, mesh.stars, options.max_radius_edge, min_sine_),
@@ -86,7 +84,7 @@ class Smoother {
   private:
     // A pass over all vertices, or those beside which one moved in the last; false if there is none.
     bool smooth(bool all, RunContext& context) {
-        const RatioSlopes slopes = ratio_slopes(mesh_, neighbors_, fixed_, context.threads);
+        const RatioSlopes slopes = ratio_slopes(mesh_, movable_.neighbors, movable_.fixed, context.threads);
         const std::vector<std::uint32_t> vertices =
             parallel_filter(vertices_, context.threads, [&](std::uint32_t v) {
                 return slopes.steepness[v] >= worth_.look &&
@@ -150,7 +148,7 @@ class Smoother {
     void add_facets_of(std::uint32_t c, std::uint32_t v, std::vector<InterfaceFacet>& facets) const {
         const Cell& cell = mesh_.cells[c];
         for (std::size_t i = 0; i < 4; ++i) {
-            const std::uint32_t n = neighbors_[4 * std::size_t{c} + i];
+            const std::uint32_t n = movable_.neighbors[4 * std::size_t{c} + i];
             if (cell[i] == v || n == no_cell || mesh_.regions[n] == mesh_.regions[c]) continue;
             InterfaceFacet facet{};
             std::size_t found = 0;
@@ -257,7 +255,8 @@ class Smoother {
         if (!better(step.sum, before)) return false;
         const Vec3 from = mesh_.points[v];
         InterfaceProbe probe(field_, structures_);
-        probe.focus_between(regions_.members[interface.side], regions_.members[interface.other]);
+        probe.focus_between(movable_.regions.members[interface.side],
+                            movable_.regions.members[interface.other]);
         for (const double share : {1.0, 0.5}) {
             const auto onto = probe.project(from + share * ratios.mean_edge() * step.move,
                                             step_share * ratios.mean_edge(), 0.1 * options_.tolerance_mm);
@@ -294,11 +293,9 @@ class Smoother {
     }
 
     TetMesh& mesh_;
-    std::span<const std::uint32_t> neighbors_;
-    const std::vector<std::uint8_t>& fixed_;
+    const MovableMesh movable_;
     const StructureField& field_;
     std::uint32_t structures_;
-    const RegionTable& regions_;
     SmoothOptions options_;
     double min_sine_;
     VertexMover mover_;

@@ -181,7 +181,7 @@ int StarAnalyzer::singularity_count(std::uint32_t vertex) {
     for (const std::uint32_t structure : owners_.at(vertex)) {
         bool in = false, out = false;
         for (const Region kind : kinds_) (table_.contains(kind, structure) ? in : out) = true;
-        if (!(in && out)) sum += lost_weight;
+        if (!(in && out)) sum += lost_vertex_weight;
     }
     return sum;
 }

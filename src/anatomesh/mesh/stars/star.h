@@ -79,6 +79,10 @@ struct StarComponent {
     std::vector<std::uint32_t> cells;
 };
 
+// A contour vertex off its structure's surface counts as so many surplus components: it is worth more than a simpler
+// star. [components; >= 1; M 2026-11, set not recorded]
+inline constexpr int lost_vertex_weight = 3;
+
 // Looks at stars of a mesh whose regions change under it. Keeps scratch space: not thread-safe.
 // A vertex is *manifold* when every body cuts its star into at most one component inside and one outside (then
 // the body's surface passes through it as one disc or not at all: no non-manifold edge or vertex there) and
@@ -90,7 +94,7 @@ class StarAnalyzer {
                  const VertexStars& stars, const std::vector<Region>& regions, const RegionTable& table,
                  const ContourOwners& owners);
 
-    // 0 for a manifold vertex, else the number of components too many, plus `lost_weight` for each structure
+    // 0 for a manifold vertex, else the number of components too many, plus `lost_vertex_weight` for each structure
     // with a contour vertex here that is not on its surface.
     int singularity_count(std::uint32_t vertex);
 
@@ -104,8 +108,6 @@ class StarAnalyzer {
 
     // Structures with a contour vertex here that do not have it on their surface.
     void lost_structures(std::uint32_t vertex, std::vector<std::uint32_t>& structures);
-
-    static constexpr int lost_weight = 3;
 
   private:
     void load(std::uint32_t vertex);
