@@ -22,6 +22,7 @@
 #include "anatomesh_io/report/report_json.h"
 #include "answer.h"
 #include "command_words.h"
+#include "help_text.h"
 #include "mesh_input.h"
 #include "option_values.h"
 #include "read_input.h"
@@ -312,26 +313,25 @@ Status run_check(CheckOptions options, Session& session) {
 
 Work declare_check(CLI::App& verb) {
     auto options = std::make_shared<CheckOptions>();
-    verb.add_option("MODEL", options->model, "Tetrahedral model of any format that is read")
+    verb.add_option("MODEL", options->model,
+                    "Tetrahedral model: .vtu, .msh, .mesh or .inp, of this or another program.")
         ->type_name("FILE")
         ->required();
     add_text(verb, "--contours", options->contours.input, "FILE",
-             "Contours that the model must follow: their vertices, their regions, the volume that they tell");
+             "The contours that the model must follow: vertices, cross-sections and volume are compared.");
     add_choice(verb, "--frame", options->contours.frame, {"LPS", "RAS"},
-               "Axes of the coordinates in a contour file that does not say");
-    add_optional_count(
-        verb, "--volume", options->contours.volume, 0,
-        "Which volume of an image that holds several, from 0, or which time frame of guide points");
-    add_texts(
-        verb, "--structure", options->contours.prepare.structures, "NAME",
-        "Structure of the contours to compare with, by name or number; may be repeated (default: all that "
-        "the model has)");
+               "Axes of the coordinates, for a contour file that does not state them.");
+    add_optional_count(verb, "--volume", options->contours.volume, 0,
+                       "The volume to read from an image that holds several, or the time frame of guide "
+                       "points. The first one is 0.");
+    add_texts(verb, "--structure", options->contours.prepare.structures, "NAME",
+              "Compare this structure, by name or number. Repeatable. Default: all structures of the model.");
+    group_new_options(verb, option_group::input);
     add_without_option(verb, options->contours);
     add_cleaning_options(verb, options->contours);
     for (const char* name : {"--same-line", "--close-slivers", "--close-gaps"}) {
         CLI::Option* const option = verb.get_option(name);
-        option->description(option->get_description() +
-                            "; where contours as given are not the model's, what its file says comes first");
+        option->description(option->get_description() + " The model's file overrides it.");
     }
     return [options](Session& session) { return run_check(*options, session); };
 }

@@ -52,7 +52,7 @@ Status check_option(const CLI::App& verb, const std::vector<std::string>& words,
     const CLI::Option* option = verb.get_option_no_throw(name);
     if (!option) {
         const std::string help =
-            fmt::format("{} --help lists the options",
+            fmt::format("{} --help-all lists the options",
                         verb.get_parent() ? "anatomesh " + verb.get_name() : verb.get_name());
         return unknown_word("option", name, long_names(verb), help);
     }
@@ -97,7 +97,8 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 
 Status check_words(const CLI::App& app, const std::vector<std::string>& words) {
     if (words.empty()) {
-        return Error{ErrorKind::usage, "E-CMD-001", "a verb is needed", {}, "see anatomesh --help"};
+        return Error{
+            ErrorKind::usage, "E-CMD-001", "a command is needed", {}, "anatomesh --help lists the commands"};
     }
     const CLI::App* verb = &app;
     if (words[0].empty() || words[0][0] != '-') {
@@ -108,8 +109,8 @@ Status check_words(const CLI::App& app, const std::vector<std::string>& words) {
             if (each->get_name() == words[0]) verb = each;
         }
         if (!verb) {
-            return unknown_word("verb", words[0], verbs,
-                                fmt::format("the verbs are {}", fmt::join(verbs, ", ")));
+            return unknown_word("command", words[0], verbs,
+                                fmt::format("the commands are {}", fmt::join(verbs, ", ")));
         }
     }
     for (std::size_t i = verb == &app ? 0 : 1; i < words.size() && words[i] != "--"; ++i) {

@@ -7,6 +7,7 @@
 
 #include "anatomesh/measure/hausdorff.h"
 #include "answer.h"
+#include "help_text.h"
 #include "mesh_input.h"
 #include "option_values.h"
 #include "verbs.h"
@@ -65,10 +66,12 @@ Status run_compare(const CompareOptions& options, Session& session) {
 
 Work declare_compare(CLI::App& verb) {
     auto options = std::make_shared<CompareOptions>();
-    verb.add_option("A", options->a, "Model or surface")->type_name("FILE")->required();
-    verb.add_option("B", options->b, "Model or surface to compare with")->type_name("FILE")->required();
+    verb.add_option("A", options->a, "Model or surface.")->type_name("FILE")->required();
+    verb.add_option("B", options->b, "Model or surface to compare with.")->type_name("FILE")->required();
     add_count(verb, "--samples", options->samples, 1, 100'000'000,
-              "Points per surface at which the distance is taken, besides the vertices (default 100000)");
+              "Points on each surface at which the distance is measured, besides the vertices, 1 to "
+              "100000000. Default: 100000.");
+    group_new_options(verb, option_group::method);
     return [options](Session& session) { return run_compare(*options, session); };
 }
 

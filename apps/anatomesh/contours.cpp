@@ -12,6 +12,7 @@
 #include "anatomesh_io/report/options_json.h"
 #include "answer.h"
 #include "dicom_input.h"
+#include "help_text.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
@@ -124,10 +125,11 @@ Work declare_contours(CLI::App& verb) {
     add_selection_options(verb, options->input);
     add_cleaning_options(verb, options->input);
     add_text(verb, "-o,--output", options->output, "OUT",
-             "File to write: .json, .vtp, .csl or .dcm (RTSTRUCT)")
+             "The contours to write: .json, .vtp, .csl or .dcm (RTSTRUCT).")
         ->required();
     add_text(verb, "--report", options->report, "FILE",
-             "Also write what was read, how and with which warnings: .json");
+             "Also write a report on what was read, with all warnings: .json.");
+    group_new_options(verb, option_group::outputs);
     return [options](Session& session) { return run_contours(*options, session); };
 }
 

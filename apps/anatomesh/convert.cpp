@@ -10,6 +10,7 @@
 #include "anatomesh_io/file/atomic_file.h"
 #include "answer.h"
 #include "element_options.h"
+#include "help_text.h"
 #include "mesh_input.h"
 #include "option_values.h"
 #include "outputs.h"
@@ -88,12 +89,14 @@ Status run_convert(const ConvertOptions& options, Session& session) {
 
 Work declare_convert(CLI::App& verb) {
     auto options = std::make_shared<ConvertOptions>();
-    verb.add_option("MODEL", options->input, "Model or surface; its kind is found from its content")
+    verb.add_option("MODEL", options->input, "Model or surface. The content tells the format.")
         ->type_name("FILE")
         ->required();
     add_text(verb, "-o,--output", options->output, "OTHER",
-             "File to write: .vtu, .msh, .mesh, .inp, .feb, or .vtp, .stl, .ply, .obj for the surface")
+             "The file to write: .vtu, .msh, .mesh, .inp or .feb for a model, .vtp, .stl, .ply or .obj for "
+             "its surface.")
         ->required();
+    group_new_options(verb, option_group::outputs);
     add_element_options(verb, options->element);
     return [options](Session& session) { return run_convert(*options, session); };
 }

@@ -6,6 +6,7 @@
 #include "anatomesh_io/dicom/voxelize.h"
 #include "anatomesh_io/dicom/write_objects.h"
 #include "anatomesh_io/mesh/mesh_file.h"
+#include "help_text.h"
 #include "option_values.h"
 #include "outputs.h"
 
@@ -21,11 +22,12 @@ std::vector<std::string> DicomOutputs::paths() const {
 
 void add_dicom_output_options(CLI::App& verb, DicomOutputs& outputs) {
     add_text(verb, "--dicom-surface", outputs.surface, "FILE",
-             "Also write the surface as a DICOM object (Encapsulated STL) of the input's study: .dcm");
+             "Also write the surface as a DICOM object of the input's study (Encapsulated STL): .dcm");
     add_text(verb, "--dicom-obj", outputs.obj, "FILE",
-             "The same as Encapsulated OBJ: text, in double precision, .dcm");
+             "Also write the surface as a DICOM object in double precision (Encapsulated OBJ): .dcm");
     add_text(verb, "--dicom-segmentation", outputs.segmentation, "FILE",
              "Also write the model as a DICOM segmentation on the grid of the input's images: .dcm");
+    group_new_options(verb, option_group::outputs);
 }
 
 Status check_dicom_outputs(const DicomOutputs& outputs) {

@@ -9,6 +9,7 @@
 #include "anatomesh/base/plural.h"
 #include "anatomesh/element/grey.h"
 #include "anatomesh_io/mesh/material_file.h"
+#include "help_text.h"
 #include "option_values.h"
 #include "read_input.h"
 
@@ -91,11 +92,15 @@ std::vector<std::string> ElementOptions::inputs() const {
 
 void add_element_options(CLI::App& verb, ElementOptions& options) {
     add_count(verb, "--order", options.order, 1, 2,
-              "Order of the tetrahedra: 1 with four nodes, 2 with ten, those of the surface on it");
+              "Nodes per tetrahedron: 1 gives four, 2 gives ten, with the middle nodes of the surface on the "
+              "smooth "
+              "surface. Default: 1.");
     add_text(verb, "--grey", options.grey, "IMAGE",
-             "Give every tetrahedron its mean grey value in this image (HU in a CT)");
+             "Store in every tetrahedron its mean grey value in this image (HU in a CT).");
     add_text(verb, "--material", options.material, "FILE",
-             "Give every tetrahedron a material, by laws of the grey value: .json");
+             "Store in every tetrahedron a material that follows from its grey value by the laws in this "
+             ".json file.");
+    group_new_options(verb, option_group::simulation);
 }
 
 Status check_order(const ElementOptions& options, const std::string& output) {

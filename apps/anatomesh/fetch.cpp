@@ -10,6 +10,7 @@
 
 #include "anatomesh/base/plural.h"
 #include "answer.h"
+#include "help_text.h"
 #include "network_options.h"
 #include "option_values.h"
 #include "progress_bar.h"
@@ -124,18 +125,22 @@ Status run_fetch(FetchVerbOptions options, Session& session) {
 Work declare_fetch(CLI::App& verb) {
     auto options = std::make_shared<FetchVerbOptions>();
     add_network_options(verb, "--from", options->network);
-    add_text(verb, "--study", options->fetch.study, "UID", "The study")->required();
-    add_text(verb, "--series", options->fetch.series, "UID", "Only this series of it");
-    add_text(verb, "--instance", options->fetch.instance, "UID", "Only this instance of the series");
+    add_text(verb, "--study", options->fetch.study, "UID", "The study to fetch.")->required();
+    add_text(verb, "--series", options->fetch.series, "UID", "Fetch only this series of the study.");
+    add_text(verb, "--instance", options->fetch.instance, "UID", "Fetch only this instance of the series.");
     add_text(verb, "-o,--output", options->folder, "FOLDER",
-             "Where objects go: FOLDER/STUDY/SERIES/INSTANCE.dcm");
-    add_text(verb, "--move-to", options->fetch.move_to, "AE",
-             "Have the peer send to this AE title (C-MOVE) instead of asking it to send here (C-GET)");
-    add_count(verb, "--port", options->port, 1, 65535,
-              "With --move-to: receive here, at this port, which the peer knows for that AE title");
+             "Where objects are stored: FOLDER/STUDY/SERIES/INSTANCE.dcm.");
+    add_text(
+        verb, "--move-to", options->fetch.move_to, "AE",
+        "The archive sends to this AE title (C-MOVE). Default: it sends over the same connection (C-GET).");
+    add_count(
+        verb, "--port", options->port, 1, 65535,
+        "With --move-to: receive at this port, 1 to 65535, which the archive must know for that AE title.");
     add_text(verb, "--address", options->fetch.address, "ADDRESS",
-             "With --port: address to listen at (default 127.0.0.1)")
+             "With --port: network address to listen at. Default: 127.0.0.1.")
         ->each([options](const std::string&) { options->address_given = true; });
+    group_new_options(verb, option_group::request);
+    verb.get_option("--output")->group(option_group::outputs);
     return [options](Session& session) { return run_fetch(*options, session); };
 }
 

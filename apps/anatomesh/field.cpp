@@ -11,6 +11,7 @@
 #include "anatomesh_io/image/write_image.h"
 #include "anatomesh_io/report/options_json.h"
 #include "answer.h"
+#include "help_text.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
@@ -108,13 +109,16 @@ Work declare_field(CLI::App& verb) {
     add_reading_options(verb, options->input);
     add_selection_options(verb, options->input);
     add_cleaning_options(verb, options->input);
-    add_text(verb, "-o,--output", options->output, "OUT", "File to write: .nrrd, .nii or .nii.gz")
+    add_text(verb, "-o,--output", options->output, "OUT", "The image to write: .nrrd, .nii or .nii.gz.")
         ->required();
     add_choice(verb, "--what", options->what, {"bits", "distance"},
-               "The bit volume, or the distance map of one structure in mm, negative inside (default "
-               "distance)");
+               "distance: distance from the contours in mm, negative inside, of one structure. bits: the "
+               "number of the "
+               "structure in every pixel. Default: distance.");
     add_number(verb, "--pixel", options->pixel_mm, 1e-3, 1e3, "MM",
-               "Pixel of the image, 0.001 to 1000 (default: that of the source, or one found)");
+               "Pixel size of the image, 0.001 to 1000 mm. Default: that of the source, otherwise chosen "
+               "from the contours.");
+    group_new_options(verb, option_group::outputs);
     return [options](Session& session) { return run_field(*options, session); };
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "anatomesh/field/end_caps.h"
+#include "help_text.h"
 #include "option_values.h"
 
 namespace anatomesh {
@@ -17,18 +18,19 @@ void add_field_rule_options(CLI::App& verb, FieldOptions& options) {
             throw CLI::ValidationError("--caps", fmt::format("'{}' is not one of half, flat, rounded", text));
         options.caps = *caps;
     };
-    verb.add_option_function<std::string>(
-            "--caps", read_caps,
-            "Where a structure ends beyond its last contour: half a slice further (default), at it, or "
-            "half a slice further with a rounded rim")
+    verb.add_option_function<std::string>("--caps", read_caps,
+                                          "How a structure ends beyond its last slice: half a slice further "
+                                          "(half), at the slice (flat), or half a "
+                                          "slice further with a rounded rim (rounded). Default: half.")
         ->type_name("half|flat|rounded");
-    add_number(
-        verb, "--max-gap", options.max_gap_spacings, 1, 1e6, "SPACINGS",
-        fmt::format("Join contours of a structure over a gap of up to so many slice spacings, 1 to 1000000 "
-                    "(default {})",
-                    options.max_gap_spacings));
+    add_number(verb, "--max-gap", options.max_gap_spacings, 1, 1e6, "SPACINGS",
+               fmt::format("Join a structure over missing slices if the gap is at most this many slice "
+                           "spacings, 1 to 1000000. "
+                           "Default: {}.",
+                           options.max_gap_spacings));
     add_number(verb, "--slice-thickness", options.single_slice_mm, 0.001, 1000, "MM",
-               "How thick a slice is when there is only one, 0.001 to 1000");
+               "Thickness of a single slice, 0.001 to 1000 mm. It is needed if there is one slice only.");
+    group_new_options(verb, option_group::slices);
 }
 
 }  // namespace anatomesh

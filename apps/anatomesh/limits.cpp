@@ -116,7 +116,8 @@ Limits::Limits() : voxels(ReadImageOptions{}.max_voxels), tetrahedra(ModelOption
 
 std::string limits_text() {
     const Limits limits;
-    std::string text = "Each can be set by --limit NAME=VALUE.\n";
+    std::string text =
+        "The program refuses inputs and models beyond these limits.\nSet a limit by --limit NAME=VALUE.\n";
     for (const LimitEntry& each : entries()) {
         text +=
             fmt::format("{:<19} {:>12} {:<5}  {}\n", each.name, each.get(limits), each.unit, each.meaning);
@@ -130,7 +131,7 @@ void add_limit_option(CLI::App& verb, Limits& limits) {
             [&limits](const std::vector<std::string>& texts) {
                 for (const std::string& text : texts) set_limit(limits, text);
             },
-            "Set a limit of those that --limits prints; may be repeated")
+            "Set one of the limits that --limits lists. Repeatable.")
         ->type_name("NAME=N")
         ->allow_extra_args(false);
 }

@@ -28,6 +28,7 @@
 #include "dicom_outputs.h"
 #include "element_options.h"
 #include "field_options.h"
+#include "help_text.h"
 #include "input_options.h"
 #include "mesh_input.h"
 #include "option_values.h"
@@ -385,41 +386,48 @@ Status run_model(ModelVerbOptions options, Session& session) {
 Work declare_model(CLI::App& verb) {
     auto options = std::make_shared<ModelVerbOptions>();
     add_reading_options(verb, options->input);
-    add_text(verb, "-o,--output", options->output, "MODEL", "Model to write: .vtu, .msh, .mesh, .inp or .feb")
+    add_text(verb, "-o,--output", options->output, "MODEL",
+             "The model to write: .vtu, .msh, .mesh, .inp or .feb.")
         ->required();
+    group_new_options(verb, option_group::outputs);
     add_selection_options(verb, options->input);
     add_cleaning_options(verb, options->input);
-    add_number(verb, "--size", options->size_mm, 0.01, 1000, "MM",
-               "Target edge length, 0.01 to 1000 (default: found from the data)");
+    add_number(
+        verb, "--size", options->size_mm, 0.01, 1000, "MM",
+        "Edge length of the tetrahedra to aim at, 0.01 to 1000 mm. Default: chosen from the contours.");
+    group_new_options(verb, option_group::mesh);
     add_field_rule_options(verb, options->input.prepare.field);
     add_reconcile_options(verb, options->input);
     add_element_options(verb, options->element);
-    add_texts(verb, "--priority", options->input.prepare.priority, "NAME",
-              "Where structures overlap, NAME (or number) keeps what they have in common; may be repeated, "
-              "the first wins; of those not named the smaller one");
+    add_texts(
+        verb, "--priority", options->input.prepare.priority, "NAME",
+        "Where structures overlap, this one, by name or number, keeps the overlap. Repeatable; the first has "
+        "the highest priority, then the smaller of two. Default: overlaps are regions of their own.");
     verb.add_flag(
         "--separate", options->separate,
-        "Make one model of each structure by itself: MODEL-NUMBER.vtu, and so for every other output");
-    verb.add_flag("--uncertainty", options->uncertainty,
-                  "Also find how sure the surface is at every point, in mm: arrays of .vtu and .vtp");
+        "Make one model of each structure by itself: MODEL-NUMBER.vtu, and so for all other outputs.");
+    group_new_options(verb, option_group::mesh);
     add_texts(verb, "--surface", options->surfaces, "FILE",
-              "Also write the surface: .vtp, .stl, .ply or .obj; may be repeated");
+              "Also write the surface: .vtp, .stl, .ply or .obj. Repeatable.");
     add_text(verb, "--contours", options->contours, "FILE",
-             "Also write the contours used, as the surface has them in their planes: .json, .vtp or .csl");
+             "Also write the contours that the model was made of: .json, .vtp or .csl.");
     add_text(verb, "--report", options->report, "FILE",
-             "Where the report goes: .json (default: the model's name with .report.json)");
+             "The report to write: .json. Default: the model's name with the ending .report.json.");
     add_text(verb, "--html", options->html, "FILE",
-             "Also write the report as one page with a view of the model: .html");
+             "Also write the report as a page for a browser, with a view of the model: .html.");
+    verb.add_flag("--uncertainty", options->uncertainty,
+                  "Also estimate the error of the surface at every point in mm, as arrays in .vtu and .vtp.");
     add_dicom_output_options(verb, options->dicom);
     verb.add_option_function<std::vector<std::string>>(
             "--dump",
             [options](const std::vector<std::string>& texts) {
                 for (const std::string& text : texts) options->dumps.push_back(dump_of(text));
             },
-            fmt::format("Also write the mesh after a stage ({}); may be repeated",
+            fmt::format("Also write the mesh after a stage, for developers: {}. Repeatable.",
                         fmt::join(dump_stages, ", ")))
         ->type_name("STAGE=FILE")
         ->allow_extra_args(false);
+    group_new_options(verb, option_group::outputs);
     return [options](Session& session) { return run_model(*options, session); };
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "anatomesh_io/file/input_file.h"
+#include "help_text.h"
 #include "option_values.h"
 
 namespace anatomesh {
@@ -37,31 +38,37 @@ void add_title_option(CLI::App& verb, std::string& title) {
                         fmt::format("'{}' is no AE title: 1 to 16 ASCII characters, no backslash", text));
                 title = text;
             },
-            "AE title of this program (default ANATOMESH)")
+            "DICOM name (AE title) of this program. Default: ANATOMESH.")
         ->type_name("AE");
 }
 
 void add_timeout_option(CLI::App& verb, double& seconds) {
     add_number(verb, "--timeout", seconds, 0.1, 3600, "SECONDS",
-               "How long a peer may be silent, 0.1 to 3600 (default 30)");
+               "Give up if the other side is silent for this long, 0.1 to 3600 s. Default: 30.");
 }
 
 void add_tls_files(CLI::App& verb, TlsFiles& files) {
-    add_text(verb, "--tls-certificate", files.certificate, "FILE", "Certificate of this side, PEM");
-    add_text(verb, "--tls-key", files.key, "FILE", "Its key, PEM");
+    add_text(verb, "--tls-certificate", files.certificate, "FILE",
+             "Certificate of this program for TLS, a PEM file.");
+    add_text(verb, "--tls-key", files.key, "FILE", "Private key of the certificate, a PEM file.");
     add_text(verb, "--tls-authorities", files.authorities, "FILE",
-             "Certificates that the peer's must come from, PEM");
+             "Authorities that must have signed the other side's certificate, a PEM file. Default: those of "
+             "the system.");
 }
 
 void add_network_options(CLI::App& verb, const std::string& name, NetworkOptions& options) {
-    add_text(verb, name, options.peer, "PEER", "The peer: AE@HOST:PORT, or the URL of a DICOMweb service")
+    add_text(verb, name, options.peer, "PEER",
+             "The archive or other program to talk to: AE@HOST:PORT, or the URL of a DICOMweb service.")
         ->required();
+    group_new_options(verb, option_group::request);
     add_title_option(verb, options.title);
     add_timeout_option(verb, options.timeout_seconds);
-    verb.add_flag("--tls", options.use_tls, "Talk to AE@HOST:PORT over TLS");
+    verb.add_flag("--tls", options.use_tls, "Encrypt the connection to AE@HOST:PORT by TLS.");
     add_tls_files(verb, options.tls);
-    add_text(verb, "--user", options.user, "NAME", "User of the DICOMweb service");
-    add_text(verb, "--password-file", options.password_file, "FILE", "File whose first line is the password");
+    add_text(verb, "--user", options.user, "NAME", "User name at the DICOMweb service.");
+    add_text(verb, "--password-file", options.password_file, "FILE",
+             "File whose first line is the password of --user.");
+    group_new_options(verb, option_group::connection);
 }
 
 Error usage_error(const char* code, std::string message, std::string value, std::string next_step) {

@@ -12,6 +12,7 @@
 #include "anatomesh/base/plural.h"
 #include "answer.h"
 #include "command_words.h"
+#include "help_text.h"
 #include "network_options.h"
 #include "option_values.h"
 #include "verbs.h"
@@ -125,15 +126,18 @@ Work declare_query(CLI::App& verb) {
     auto options = std::make_shared<QueryVerbOptions>();
     add_network_options(verb, "--from", options->network);
     add_choice(verb, "--level", options->level, {"study", "series", "instance"},
-               "What to list (default study)");
-    add_text(verb, "--study", options->query.study, "UID", "Only of this study");
-    add_text(verb, "--series", options->query.series, "UID", "Only of this series");
-    add_texts(verb, "--match", options->matches, "KEYWORD=VALUE",
-              "Only what matches, as PatientID=17 or StudyDate=20260101-; * and ? stand for any text; may be "
-              "repeated");
-    add_count(verb, "--most", options->query.most_answers, 1, 1000000, "Answers at most (default 1000)");
+               "What to list. Default: study.");
+    add_text(verb, "--study", options->query.study, "UID", "List only what belongs to this study.");
+    add_text(verb, "--series", options->query.series, "UID", "List only what belongs to this series.");
+    add_texts(
+        verb, "--match", options->matches, "KEYWORD=VALUE",
+        "List only what matches, such as PatientID=17 or StudyDate=20260101-. * and ? stand for any text. "
+        "Repeatable.");
+    add_count(verb, "--most", options->query.most_answers, 1, 1000000,
+              "Largest number of answers, 1 to 1000000. Default: 1000.");
     verb.add_flag("--keep-patient-ids", options->keep_patient_ids,
-                  "Also show names, ids, dates and descriptions of patients and studies");
+                  "Also show names, identifiers, dates and descriptions of patients and studies.");
+    group_new_options(verb, option_group::request);
     return [options](Session& session) { return run_query(*options, session); };
 }
 

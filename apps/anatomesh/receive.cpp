@@ -11,6 +11,7 @@
 #include "anatomesh/base/plural.h"
 #include "anatomesh_io/network/receiver.h"
 #include "answer.h"
+#include "help_text.h"
 #include "network_options.h"
 #include "option_values.h"
 #include "verbs.h"
@@ -147,29 +148,35 @@ Status run_receive(ReceiveVerbOptions options, Session& session) {
 Work declare_receive(CLI::App& verb) {
     auto options = std::make_shared<ReceiveVerbOptions>();
     ReceiverOptions& receiver = options->receiver;
-    add_text(verb, "FOLDER", options->folder, "FOLDER", "Where objects go: FOLDER/STUDY/SERIES/INSTANCE.dcm")
+    add_text(verb, "FOLDER", options->folder, "FOLDER",
+             "Where objects are stored: FOLDER/STUDY/SERIES/INSTANCE.dcm.")
         ->required();
-    add_count(verb, "--port", options->port, 0, 65535, "Port to listen at; 0: any (default 11112)");
+    add_count(verb, "--port", options->port, 0, 65535,
+              "Port to listen at, 0 to 65535. 0 takes any free one. Default: 11112.");
     add_text(verb, "--address", receiver.address, "ADDRESS",
-             "Address to listen at (default 127.0.0.1: this machine alone)");
+             "Network address to listen at. Default: 127.0.0.1, for this machine only.");
     add_title_option(verb, receiver.title);
-    add_texts(
-        verb, "--allow", options->allowed, "AE@HOST",
-        "Who may send: AE (from this machine), AE@HOST or @HOST, HOST may be *; may be repeated (default: "
-        "this machine)");
-    add_count(verb, "--associations", receiver.associations, 1, 1000, "Associations at a time (default 8)");
+    add_texts(verb, "--allow", options->allowed, "AE@HOST",
+              "Who may send: AE (from this machine), AE@HOST or @HOST; HOST may be *. Repeatable. Default: "
+              "this machine.");
+    add_count(verb, "--associations", receiver.associations, 1, 1000,
+              "Connections at the same time, 1 to 1000. Default: 8.");
     add_timeout_option(verb, receiver.timeout_seconds);
     add_number(verb, "--quota", options->quota_mb, 0.001, 1e9, "MB",
-               "How much the folder may hold, in megabytes (default: no quota)");
+               "Largest size of the folder in megabytes, 0.001 to 1e9. Default: no limit.");
     add_tls_files(verb, options->tls);
-    verb.add_flag("--plain", options->plain, "Listen for others than this machine without TLS");
+    verb.add_flag("--plain", options->plain, "Accept connections of other machines without TLS encryption.");
+    group_new_options(verb, option_group::connection);
     verb.add_flag("--model", options->model,
-                  "Make a model when a study with an RTSTRUCT or SEG has come in completely");
-    verb.add_flag("--keep-patient-ids", options->watch.keep_patient_ids,
-                  "With --model: models carry the identity of the study, to be sent back to it");
-    add_number(verb, "--settle", options->watch.settle_seconds, 0.1, 86400, "SECONDS",
-               "With --model: how long nothing more of a study must come, 0.1 to 86400 (default 30)")
+                  "Make a model of each study that has an RTSTRUCT or SEG, once all of it has arrived.");
+    verb.add_flag(
+        "--keep-patient-ids", options->watch.keep_patient_ids,
+        "With --model: keep the patient's identity in models, so that they can be sent back to the study.");
+    add_number(
+        verb, "--settle", options->watch.settle_seconds, 0.1, 86400, "SECONDS",
+        "With --model: wait until nothing of a study has arrived for this long, 0.1 to 86400 s. Default: 30.")
         ->each([options](const std::string&) { options->settle_given = true; });
+    group_new_options(verb, option_group::outputs);
     return [options](Session& session) { return run_receive(*options, session); };
 }
 

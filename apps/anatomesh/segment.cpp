@@ -18,6 +18,7 @@
 #include "anatomesh_io/image/write_image.h"
 #include "anatomesh_io/segment/segment_slices.h"
 #include "answer.h"
+#include "help_text.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
@@ -259,8 +260,8 @@ void add_within(CLI::App& verb, std::vector<Vec3>& corners) {
                    triple_of("--within", text.substr(colon + 1), -1e7, 1e7, false)};
     };
     verb.add_option_function<std::string>("--within", read,
-                                          "Look only at the part of the image between two corners, along its "
-                                          "axes, LPS mm; nothing outside belongs to the structure")
+                                          "Search only between these two corners of a box, in mm (LPS). The "
+                                          "box is parallel to the image axes.")
         ->type_name("X,Y,Z:X,Y,Z");
 }
 
@@ -273,36 +274,42 @@ void add_optional(CLI::App& verb, const std::string& name, std::optional<double>
 }
 
 void add_method_options(CLI::App& verb, SegmentVerbOptions& options) {
-    add_choice(
-        verb, "--method", options.task.method, segment_methods,
-        "How: all voxels of a range; above Otsu's threshold; joined to a seed within a range, or within "
-        "a range found there; active contour from a seed, by region, by edges or between two means (default: "
-        "by the "
-        "options given: threshold with --threshold, grow with --seed too, geodesic with --seed, else otsu)");
+    add_choice(verb, "--method", options.task.method, segment_methods,
+               "How the structure is found. Default: threshold with --threshold, grow with --threshold and "
+               "--seed, geodesic "
+               "with --seed alone, otherwise otsu.");
+    group_new_options(verb, option_group::method);
     add_threshold_option(verb, options.input);
+    verb.get_option("--threshold")->group(option_group::method);
     add_triples(verb, "--seed", options.task.seeds, "X,Y,Z", false,
-                "A point inside the structure, LPS mm; may be repeated");
+                "A point inside the structure, in mm (LPS). Repeatable.");
     add_triples(verb, "--seed-voxel", options.task.voxel_seeds, "I,J,K", true,
-                "The same as voxel indices, from 0; may be repeated");
+                "A point inside the structure, as voxel indices from 0. Repeatable.");
     add_within(verb, options.task.within);
     const SegmentOptions defaults;
-    add_optional(verb, "--seed-radius", options.task.radius_mm, 0.01, 1000, "MM",
-                 fmt::format("Radius of the balls around seeds that confidence, region and geodesic begin "
-                             "with, 0.01 to 1000 (default {})",
-                             defaults.seed_radius_mm));
-    add_optional(verb, "--spread", options.task.spread, 0.01, 100, "N",
-                 fmt::format("Standard deviations of the values around the seeds that belong to the "
-                             "structure, 0.01 to 100 (default {})",
-                             defaults.spread));
+    add_optional(
+        verb, "--seed-radius", options.task.radius_mm, 0.01, 1000, "MM",
+        fmt::format(
+            "Radius of the ball around each seed at which the methods confidence, region and geodesic "
+            "start, 0.01 to 1000 mm. Default: {}.",
+            defaults.seed_radius_mm));
+    add_optional(
+        verb, "--spread", options.task.spread, 0.01, 100, "N",
+        fmt::format(
+            "Voxels belong to the structure if they differ from the mean at the seeds by at most this "
+            "many standard deviations, 0.01 to 100. Default: {}.",
+            defaults.spread));
     add_optional(verb, "--curvature", options.task.curvature, 0, 100, "W",
-                 fmt::format("Smoothness of active contours, 0 to 100 (default {})", defaults.curvature));
+                 fmt::format("Smoothness of active contours, 0 to 100. Default: {}.", defaults.curvature));
     verb.add_option_function<std::string>(
             "--iterations",
             [&options](const std::string& text) {
                 options.task.iterations = strict_count("--iterations", text, 1, 100000);
             },
-            fmt::format("Steps of active contours, at most, 1 to 100000 (default {})", defaults.iterations))
+            fmt::format("Largest number of steps of active contours, 1 to 100000. Default: {}.",
+                        defaults.iterations))
         ->type_name("N");
+    group_new_options(verb, option_group::method);
 }
 
 }  // namespace
@@ -312,29 +319,35 @@ Work declare_segment(CLI::App& verb) {
     add_reading_options(verb, options->input);
     add_method_options(verb, *options);
     add_number(verb, "--median", options->task.cleaning.median_mm, 0, 100, "MM",
-               "Median filter of this radius on the result, 0 to 100 (default 0: none)");
+               "Smooth the result by a median filter of this radius, 0 to 100 mm. Default: 0, none.");
     add_number(verb, "--open", options->task.cleaning.open_mm, 0, 100, "MM",
-               "Opening by a ball of this radius: takes away what is thinner, 0 to 100 (default 0: none)");
+               "Remove parts thinner than a ball of this radius (opening), 0 to 100 mm. Default: 0, none.");
     add_number(verb, "--close", options->task.cleaning.close_mm, 0, 100, "MM",
-               "Closing by a ball of this radius: fills what is narrower, 0 to 100 (default 0: none)");
-    verb.add_flag("--fill-holes", options->task.cleaning.fill_holes, "Fill what the structure encloses");
+               "Fill gaps narrower than a ball of this radius (closing), 0 to 100 mm. Default: 0, none.");
+    verb.add_flag("--fill-holes", options->task.cleaning.fill_holes,
+                  "Fill holes that the structure encloses on all sides.");
+    group_new_options(verb, option_group::clean_up);
     add_keep_largest_option(verb, options->input);
-    add_text(verb, "--name", options->task.name, "NAME", "Name of the structure (default structure)");
+    verb.get_option("--keep-largest")->group(option_group::clean_up);
+    add_text(verb, "--name", options->task.name, "NAME", "Name of the structure. Default: structure.");
     add_count(verb, "--number", options->task.number, 1, 65535,
-              "Number of the structure, its value in a label map (default 1)");
+              "Number of the structure, which is its value in a label map, 1 to 65535. Default: 1.");
+    group_new_options(verb, option_group::outputs);
     verb.add_flag("--per-slice", options->task.per_slice,
-                  "Slice by slice: each by itself, or from the slices of the seeds on to their neighbours");
-    add_number(
-        verb, "--despeckle", options->despeckle_mm, 0, 100, "MM",
-        "Before all else the median of each pixel's surroundings in its slice, 0 to 100 (default 0: none)");
+                  "Work slice by slice. With seeds the result of each slice starts the next one.");
+    add_number(verb, "--despeckle", options->despeckle_mm, 0, 100, "MM",
+               "First replace each pixel by the median within this radius in its slice, 0 to 100 mm. "
+               "Default: 0, none.");
     add_text(verb, "--recipe", options->recipe, "FILE",
-             "Several structures in one run: a JSON file with the options of each")
+             "Find several structures in one run: a .json file with the options of each (docs/formats.md).")
         ->excludes("--method", "--threshold", "--seed", "--seed-voxel", "--within", "--seed-radius",
                    "--spread", "--curvature", "--iterations", "--median", "--open", "--close", "--fill-holes",
                    "--keep-largest", "--name", "--number", "--per-slice");
+    group_new_options(verb, option_group::method);
     add_text(verb, "-o,--output", options->output, "OUT",
-             "File to write: .nrrd, .nii or .nii.gz (label map), or .json, .vtp or .csl (contours)")
+             "The result to write: .nrrd, .nii or .nii.gz for a label map, .json, .vtp or .csl for contours.")
         ->required();
+    group_new_options(verb, option_group::outputs);
     return [options](Session& session) { return run_segment(*options, session); };
 }
 

@@ -69,7 +69,7 @@ Status run_send(const SendVerbOptions& options, Session& session) {
 
 Work declare_send(CLI::App& verb) {
     auto options = std::make_shared<SendVerbOptions>();
-    add_texts(verb, "INPUT", options->inputs, "PATH", "DICOM files, and folders of them")
+    add_texts(verb, "INPUT", options->inputs, "PATH", "DICOM files and folders of DICOM files.")
         ->required()
         ->allow_extra_args(true)
         ->expected(-1);  // one or more

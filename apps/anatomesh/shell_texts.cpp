@@ -4,7 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <vector>
+
+#include "help_text.h"
 
 namespace anatomesh {
 
@@ -14,7 +17,7 @@ struct OptionText {
     std::string short_name, long_name;  // "-o", "--output"; empty when there is none
     std::string type;                   // "FILE"; empty for a flag
     std::vector<std::string> choices;   // of "half|flat"
-    std::string description;
+    std::string description, group;
 };
 
 struct VerbText {
@@ -43,6 +46,7 @@ OptionText text_of(const CLI::Option& option) {
     if (option.get_items_expected_min() > 0) text.type = option.get_type_name();
     text.choices = choices_of(text.type);
     text.description = option.get_description();
+    text.group = option.get_group();
     return text;
 }
 
@@ -229,18 +233,23 @@ std::string manual_page(const CLI::App& app, const std::string& version) {
     std::string out =
         fmt::format(".TH ANATOMESH 1 \"\" \"anatomesh {}\" \"User Commands\"\n", troff(version));
     out += ".SH NAME\nanatomesh \\- " + troff(app.get_description()) + "\n";
-    out += ".SH SYNOPSIS\n.B anatomesh\n.I VERB\n[\\fIOPTION\\fR]... [\\fIFILE\\fR]...\n";
-    out += ".SH OPTIONS\n" + troff_options(options_of(app)) + ".SH VERBS\n";
+    out += ".SH SYNOPSIS\n.B anatomesh\n.I COMMAND\n[\\fIOPTION\\fR]... [\\fIFILE\\fR]...\n";
+    out += ".SH OPTIONS\n" + troff_options(options_of(app)) + ".SH COMMANDS\n";
     for (const VerbText& verb : verbs_of(app)) {
         out += fmt::format(".SS {}\n{}.\n", troff(verb.name), troff(verb.description));
         for (const OptionText& argument : verb.arguments) {
             out +=
                 fmt::format(".TP\n\\fI{}\\fR\n{}\n", troff(argument.long_name), troff(argument.description));
         }
-        out += troff_options(verb.options);
+        for (const std::string& group : option_groups()) {
+            std::vector<OptionText> options;
+            std::copy_if(verb.options.begin(), verb.options.end(), std::back_inserter(options),
+                         [&](const OptionText& option) { return option.group == group; });
+            if (!options.empty()) out += ".PP\n.I " + troff(group) + "\n" + troff_options(options);
+        }
         if (!verb.examples.empty()) out += fmt::format(".PP\n.nf\n{}\n.fi\n", troff(verb.examples));
     }
-    out += ".SH EXIT STATUS\n" + troff(app.get_footer()) + "\n";
+    out += ".SH EXIT STATUS\n.nf\n" + troff(app.get_footer()) + "\n.fi\n";
     return out;
 }
 

@@ -13,6 +13,7 @@
 #include "anatomesh/uncertainty/surface_uncertainty.h"
 #include "answer.h"
 #include "field_options.h"
+#include "help_text.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "read_input.h"
@@ -131,10 +132,13 @@ Work declare_where_next(CLI::App& verb) {
     add_cleaning_options(verb, options->input);
     add_reconcile_options(verb, options->input);
     add_field_rule_options(verb, options->input.prepare.field);
-    add_number(verb, "--size", options->size_mm, 0.01, 1000, "MM",
-               "Edge length of the model that is looked at, 0.01 to 1000 (default: found from the data)");
+    add_number(
+        verb, "--size", options->size_mm, 0.01, 1000, "MM",
+        "Edge length of the model that is examined, 0.01 to 1000 mm. Default: chosen from the contours.");
+    group_new_options(verb, option_group::mesh);
     add_count(verb, "--count", options->choosing.count, 1, 1000,
-              "How many planes to name, 1 to 1000 (default 5)");
+              "How many planes to name, 1 to 1000. Default: 5.");
+    group_new_options(verb, option_group::outputs);
     return [options](Session& session) { return run_where_next(*options, session); };
 }
 

@@ -29,6 +29,28 @@ class Help(harness.TestCase):
             text = self.run_program(verb, "--help").out
             self.assertRegex(text, rf"Examples?:\n\s+anatomesh {verb}", verb)
 
+    def test_help_fits_a_terminal_of_80_columns(self):
+        for verb in ("", *VERBS):
+            for flag in ("--help", "--help-all"):
+                lines = self.run_program(*verb.split(), flag).out.split("Example")[0].splitlines()
+                self.assertEqual([line for line in lines if len(line) > 80], [], (verb, flag))
+
+    def test_help_of_model_lists_the_ten_options_used_most(self):
+        text = self.run_program("model", "--help").out.split("Most used options:\n")[1].split("\n\n")[0]
+        self.assertEqual(len(re.findall(r"^  -", text, re.M)), 10)
+        self.assertLess(len(self.run_program("model", "--help").out.splitlines()), 60)
+
+    def test_complete_help_has_every_option_in_a_group(self):
+        groups = ["Input", "Slices and structures", "Contour repair", "Crossing planes", "Mesh", "Simulation", "Outputs", "Run"]
+        complete = self.run_program("model", "--help-all").out
+        self.assertEqual(re.findall(r"^(\S.*):$", complete.split("Examples")[0], re.M), groups)
+        for verb in VERBS:
+            completion = self.run_program("completion", "fish").out
+            options = re.findall(rf"_from {verb}'.* -l ([a-z-]+)", completion)
+            text = self.run_program(verb, "--help-all").out
+            for option in options:
+                self.assertRegex(text, rf"(?m)^  (-\w, )?--{option}\b", verb)
+
     def test_version(self):
         self.assertRegex(self.run_program("--version").out, r"^anatomesh \d+\.\d+\.\d+\n$")
 
@@ -41,7 +63,7 @@ class Help(harness.TestCase):
     def test_manual_has_every_option_and_is_valid_troff(self):
         manual = self.run_program("manual").out
         for verb in VERBS:
-            for option in re.findall(r"(--[a-z-]+)", self.run_program(verb, "--help").out.split("Examples")[0]):
+            for option in re.findall(r"(--[a-z-]+)", self.run_program(verb, "--help-all").out.split("Examples")[0]):
                 self.assertIn(option.replace("-", r"\-"), manual)
         if shutil.which("man"):
             page = self.write("anatomesh.1", manual)
@@ -86,7 +108,7 @@ class WrongCommands(harness.TestCase):
         self.assert_refused(["info", "ball.json", "--frobnicate"], 2, "E-CMD-002", "--help")
         self.assert_refused(["info", "ball.json", "-x"], 2, "-x")
         self.assert_refused(["info", "ball.json", "more.json"], 2, "more.json")
-        self.assert_refused([], 2, "verb")
+        self.assert_refused([], 2, "command")
         self.assert_refused(["info"], 2, "INPUT")
 
     def test_P01_value_missing(self):
@@ -413,7 +435,7 @@ class Options(harness.TestCase):
         """Every --option in messages, in the sources and in the documentation is one that the program has."""
         known = set()
         for verb in ("", *VERBS):
-            known |= set(re.findall(r"--[a-z][a-z-]*", self.run_program(*verb.split(), "--help").out))
+            known |= set(re.findall(r"--[a-z][a-z-]*", self.run_program(*verb.split(), "--help-all").out))
         quoted = re.compile(r'"(?:[^"\\\n]|\\.)*"')
         for root, suffixes in (("src", (".cpp", ".h")), ("apps", (".cpp", ".h"))):
             for source in sorted((harness.SOURCE / root).rglob("*")):
