@@ -13,7 +13,7 @@ import sys
 
 ROOMS = """
 base geom image
-contour/model contour/overlay contour/planes contour/simplify contour/walls contour/clean contour/trace
+contour/model contour/overlay contour/planes contour/simplify contour/walls contour/resolve contour/clean contour/trace
 slices/arrangement slices/lines slices/coverage
 reconcile/move reconcile/regularize reconcile/resolve reconcile/compare reconcile
 mesh/model mesh/edit mesh/check mesh/shape mesh/stars

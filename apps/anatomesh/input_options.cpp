@@ -98,7 +98,7 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
         if (text != "even-odd" && text != "filled") {
             throw CLI::ValidationError("--holes", fmt::format("'{}' is not one of even-odd, filled", text));
         }
-        options.prepare.clean.holes = text == "filled" ? HoleRule::united : HoleRule::even_odd;
+        options.prepare.clean.rings.holes = text == "filled" ? HoleRule::united : HoleRule::even_odd;
         options.cleaning_given.emplace_back("--holes");
     };
     verb.add_option_function<std::string>("--holes", read_holes,
@@ -109,7 +109,7 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
     verb.add_flag_callback(
         "--unite-repeated-planes",
         [&options] {
-            options.prepare.clean.unite_repeated_planes = true;
+            options.prepare.clean.rings.unite_repeated_planes = true;
             options.cleaning_given.emplace_back("--unite-repeated-planes");
         },
         "Unite the contours if a plane is drawn twice and the two drawings contradict each other.");
@@ -131,24 +131,24 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
         "Neighbouring structures share their boundary where the gap between their contours is narrower than "
         "this, 0 to "
         "10 mm. One pixel is a good value. Default: 0, which keeps contours as drawn.");
-    add("--plane-repair", cleaning.plane_repair_mm, cleaning.plane_tolerance_mm, 10, "MM",
+    add("--plane-repair", cleaning.planes.plane_repair_mm, cleaning.planes.plane_tolerance_mm, 10, "MM",
         fmt::format("Project points onto the plane of their contour from at most this distance, {} to 10 mm. "
                     "Default: "
                     "{}.",
-                    cleaning.plane_tolerance_mm, cleaning.plane_repair_mm));
-    add("--keyhole", cleaning.keyhole_mm, 0, 10, "MM",
+                    cleaning.planes.plane_tolerance_mm, cleaning.planes.plane_repair_mm));
+    add("--keyhole", cleaning.rings.keyhole_mm, 0, 10, "MM",
         fmt::format("Close a straight corridor from a contour to a hole if it is at most this wide, 0 to 10 "
                     "mm. Default: "
                     "{}.",
-                    cleaning.keyhole_mm));
-    add("--close-loops", cleaning.loop_mm2, 0, 100, "MM2",
+                    cleaning.rings.keyhole_mm));
+    add("--close-loops", cleaning.rings.loop_mm2, 0, 100, "MM2",
         fmt::format("Close loops where a contour crosses itself if they are smaller than this, 0 to 100 mm2, "
                     "and than "
                     "0.2 % of its area. 0 keeps contours as drawn. Default: {}.",
-                    cleaning.loop_mm2));
-    add("--max-repair", cleaning.max_repair_area_share, 0, 1, "SHARE",
+                    cleaning.rings.loop_mm2));
+    add("--max-repair", cleaning.rings.max_repair_area_share, 0, 1, "SHARE",
         fmt::format("Refuse a contour if more than this share of its area is ambiguous, 0 to 1. Default: {}.",
-                    cleaning.max_repair_area_share));
+                    cleaning.rings.max_repair_area_share));
     group_new_options(verb, option_group::contour_repair);
 }
 

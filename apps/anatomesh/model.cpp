@@ -192,7 +192,7 @@ Status stage_outputs(Model& model, ModelFile& file, const ModelVerbOptions& opti
     }
     if (!options.contours.empty()) {
         ANATOMESH_TRY(const ContourFormat format, contour_format_of(options.contours));
-        const ContourSet contours = contours_in_planes(model, CleanOptions{}.plane_tolerance_mm);
+        const ContourSet contours = contours_in_planes(model, CleanOptions{}.planes.plane_tolerance_mm);
         ANATOMESH_CHECK_STATUS(files.add(options.contours, format_contours(contours, format, context)));
     }
     model.report.warnings = context.warnings;  // with those of the formats

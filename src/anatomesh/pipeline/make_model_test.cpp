@@ -234,7 +234,7 @@ TEST(PrepareContours, cleaning_is_told_where_it_is_not_the_usual_one) {
     options.name_cleaning = true;
     EXPECT_EQ(values_of(prepared(drawn.raw, options).options, "holes"), std::vector<std::string>{"even-odd"});
     options.name_cleaning = false;
-    options.clean.holes = HoleRule::united;
+    options.clean.rings.holes = HoleRule::united;
     EXPECT_EQ(values_of(prepared(drawn.raw, options).options, "holes"), std::vector<std::string>{"filled"});
     options = {};
     options.walls.close_gaps_mm = 0.5;

@@ -72,12 +72,12 @@ Options choice_told(const PrepareOptions& options) {
     told.emplace_back("offset", std::to_string(options.offset));
     if (options.name_cleaning || !is_default(options)) {
         const CleanOptions& clean = options.clean;
-        told.emplace_back("holes", clean.holes == HoleRule::united ? "filled" : "even-odd");
-        told.emplace_back("unite_repeated_planes", clean.unite_repeated_planes ? "yes" : "no");
+        told.emplace_back("holes", clean.rings.holes == HoleRule::united ? "filled" : "even-odd");
+        told.emplace_back("unite_repeated_planes", clean.rings.unite_repeated_planes ? "yes" : "no");
         told.emplace_back("closing_gap_mm", number_text(clean.closing_gap_mm));
-        told.emplace_back("plane_repair_mm", number_text(clean.plane_repair_mm));
-        told.emplace_back("close_loops_mm2", number_text(clean.loop_mm2));
-        told.emplace_back("max_repair_share", number_text(clean.max_repair_area_share));
+        told.emplace_back("plane_repair_mm", number_text(clean.planes.plane_repair_mm));
+        told.emplace_back("close_loops_mm2", number_text(clean.rings.loop_mm2));
+        told.emplace_back("max_repair_share", number_text(clean.rings.max_repair_area_share));
     }
     return told;
 }
@@ -161,7 +161,7 @@ Result<PreparedContours> drawn_contours(const RawContours& all, const PrepareOpt
     PreparedContours prepared;
     prepared.options = choice_told(options);
     prepared.log = contour_log(raw, cleaned);
-    prepared.hole_rule = clean.holes == HoleRule::united
+    prepared.hole_rule = clean.rings.holes == HoleRule::united
                              ? "filled: a contour inside another of its structure adds nothing"
                              : "even-odd: a contour inside another of its structure is a hole";
     prepared.traced_points = cleaned.stats.points_in;

@@ -401,7 +401,8 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
     if (number % repeated_every == 0) expect_same_again(model.value(), kept, options);
     const Segments own = expect_sound(drawn, model.value(), model.value().contours);
     // 1e-6 of the longest segments, or what is taken as it is.
-    const double off_plane_mm = drawn.spoiling == Spoiling::none ? 2e-5 : CleanOptions{}.plane_tolerance_mm;
+    const double off_plane_mm =
+        drawn.spoiling == Spoiling::none ? 2e-5 : CleanOptions{}.planes.plane_tolerance_mm;
     expect_near_drawn(model.value(), kept, 0.6 * model.value().report.size_mm, off_plane_mm);
     segments.all += own.all;
     segments.broken += own.broken;

@@ -8,57 +8,26 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/contour/model/raw_contours.h"
+#include "anatomesh/contour/planes/plane_grouping.h"
+#include "anatomesh/contour/resolve/resolve.h"
 
 namespace anatomesh {
 
-enum class HoleRule : std::uint8_t {
-    even_odd,  // a contour inside another one is a hole (an island inside a hole, and so on)
-    united     // every contour adds to the structure: holes are filled
-};
-
 struct CleanOptions {
-    // Points this far off their plane are accepted as they are. [0, 1]
-    double plane_tolerance_mm = 0.05;
-    // Points up to this far off are projected, with a warning; beyond: refused. [plane_tolerance_mm, 10]
-    double plane_repair_mm = 1.0;
-    // Contours whose planes differ by less at their own extent may share a slice: see plane_grouping.h. [0,
-    // 1]
-    double group_tolerance_mm = 0.01;
-    // An open contour with at most this gap is closed with a warning; one open at a heart's valve whatever
-    // the gap is, up to half of what is drawn. [0, 100]
+    PlaneGroupingOptions planes;  // on which plane contours lie, and which of them share a slice
+    ResolveOptions rings;         // what the contours of one structure on one slice bound
+    // An open contour with at most this gap is closed with a warning. One open at a heart's valve is closed
+    // whatever the gap is, up to half of what is drawn. [0, 100]
     double closing_gap_mm = 2.0;
-    // A repair that makes a larger share of a contour's area ambiguous is refused. [0, 1]; 1: never refused
-    double max_repair_area_share = 0.05;
-    // A keyhole's corridor no wider than this is closed, so that outer contour and holes part. [0, 1]
-    double corridor_mm = 0.05;
-    // The same of a corridor with straight sides, ten times as long as it is wide, that leads to a hole: from
-    // slice to slice it would be a slit, or a new tunnel where it turns. [0, 10]
-    double keyhole_mm = 0.5;
-    // Loops that a contour makes by crossing itself, slips of the pen, are no holes or islands of their own:
-    // below this, and where close_loops.h says so. mm^2. [0, 100]; 0: as drawn. What crosses itself
-    // and has no more than a ten-thousandth of it as its box is no contour.
-    double loop_mm2 = 1;
-    // A contour that keeps this near to another of its structure in its slice, and nearer than half of their
-    // mean edge length, repeats it: the smaller is dropped. [0, 1]
-    double repeat_mm = 0.05;
-    // A hole that follows its outline as near as that is warned about, if that is also less than a tenth of
-    // its radius or half of their mean edge length. [0, 10]
-    double doubtful_wall_mm = 0.5;
-    // Rings that share a vertex are moved apart there by at most this: a nearer wall or gap, on slice after
-    // slice, would have holes. (0, 1]
-    double separation_mm = 0.2;
-    // Points nearer than this, and than 1e-4 of the span of all contours, to the next one of their contour,
-    // that lie within a tenth of it of the line that is kept, are left out: cells as fine as they lie would
-    // be finer than anything that is drawn. [0, 1]; 0: all stay.
+    // A point nearer than this to the next one of its contour is left out, if it lies within a tenth of this of
+    // the line that is kept. Cells as fine as such points would be finer than anything that is drawn. At most
+    // 1e-4 of the span of all contours counts. [0, 1]; 0: all stay.
     double crowded_mm = 0.01;
     // Vertices of different structures nearer than this become one: a wall that two structures share. [0,
     // 0.01]; 0: not.
     double weld_mm = 1e-4;
-    HoleRule holes = HoleRule::even_odd;
-    // Contours that contradict each other on a plane given twice: unite them instead of refusing.
-    bool unite_repeated_planes = false;
-    // Names of slices that are left out as if they were not drawn; named_slices() of chosen_slices.h. Of
-    // several planes of a file that are one slice that alone which is called so.
+    // Slices of these names are left out as if they were not drawn (named_slices() of chosen_slices.h). Where
+    // several planes of a file are one slice, only the plane so called is left out.
     std::vector<std::string> without;
 
     bool operator==(const CleanOptions&) const = default;

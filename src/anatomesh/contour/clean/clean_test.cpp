@@ -51,7 +51,7 @@ TEST(Clean, RS14_hole_by_nesting) {
     EXPECT_EQ(run.result.value().log[1].rule, "hole of 0");
     EXPECT_EQ(run.result.value().log[2].rule, "island in hole 1");
     CleanOptions united;
-    united.holes = HoleRule::united;
+    united.rings.holes = HoleRule::united;
     EXPECT_EQ(clean(File().add(square(0, 0, 10)).add(square(2, 2, 6)), united).area(), 100);
 }
 
@@ -399,7 +399,7 @@ TEST(Clean, C23_plane_given_twice) {
     const File contradiction = twice(circle(0, 0, 10, 50, 10), circle(5, 0, 10, 49, 10.001));
     EXPECT_EQ(clean(contradiction).code(), "E-CON-007");
     CleanOptions united;
-    united.unite_repeated_planes = true;
+    united.rings.unite_repeated_planes = true;
     const Cleaned run = clean(contradiction, united);
     EXPECT_KEPT(run);
     EXPECT_EQ(run.count("W-CON-019"), 1u);
@@ -433,7 +433,7 @@ TEST(Clean, C23_the_union_of_rings_drawn_twice_keeps_what_is_a_hole_in_both) {
                  {{14, 10}, {7, 5}, {14, 10, 7, 5}},
                  {{14, 10, 3}, {12, 6}, {14, 6, 3}}};
     CleanOptions united;
-    united.unite_repeated_planes = true;
+    united.rings.unite_repeated_planes = true;
     for (const auto& each : cases) {
         File file;
         file.raw.planes = {make_plane({0, 0, 10}, {0, 0, 1}), make_plane({0, 0, 10}, {0, 0, 1})};
@@ -503,7 +503,7 @@ TEST(Clean, C23_the_warning_of_planes_made_one_names_them_and_what_became_of_con
     EXPECT_EQ(merged.place.value, "0.01 mm");
     EXPECT_NE(merged.what_was_done.find("contradicting ones refused"), std::string::npos);
     CleanOptions united;
-    united.unite_repeated_planes = true;
+    united.rings.unite_repeated_planes = true;
     EXPECT_NE(clean(file, united).warning("W-CON-010").what_was_done.find("contradicting ones united"),
               std::string::npos);
 }
@@ -541,7 +541,7 @@ TEST(Clean, C03_spikes_and_hairs_go_and_nothing_else_moves) {
 
 TEST(Clean, C04_self_crossings_are_read_even_odd_below_the_bound) {
     CleanOptions any;
-    any.max_repair_area_share = 1;
+    any.rings.max_repair_area_share = 1;
     const Points bow_tie{{0, 0, 10}, {10, 10, 10}, {10, 0, 10}, {0, 10, 10}};
     EXPECT_EQ(clean(File().add(bow_tie)).code(), "E-CON-006");
     const Cleaned bow = clean(File().add(bow_tie), any);
@@ -579,7 +579,7 @@ TEST(Clean, C04_a_speck_that_crosses_itself_is_no_reason_to_refuse) {
 
 TEST(Clean, C04_random_scribbles_never_break_the_invariants) {
     CleanOptions any;
-    any.max_repair_area_share = 1;
+    any.rings.max_repair_area_share = 1;
     std::mt19937 random(7);
     int refused = 0;
     for (int trial = 0; trial < 60; ++trial) {
@@ -612,7 +612,7 @@ TEST(Clean, C05_contour_touching_itself_is_split) {
     EXPECT_EQ(run.kept().contours.size(), 2u);
     EXPECT_EQ(run.count("W-CON-015"), 1u);
     EXPECT_EQ(run.count("W-CON-020"), 1u);
-    EXPECT_LE(run.result.value().stats.max_displacement_mm, CleanOptions().separation_mm);
+    EXPECT_LE(run.result.value().stats.max_displacement_mm, CleanOptions().rings.separation_mm);
     const Points along_edge{{0, 0, 10}, {10, 0, 10}, {10, 4, 10}, {6, 4, 10}, {6, 2, 10},
                             {4, 2, 10}, {4, 4, 10},  {8, 4, 10},  {8, 9, 10}, {0, 9, 10}};
     const Cleaned edge = clean(File().add(along_edge));

@@ -15,8 +15,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double no_share = 1e-9;  // of an area: rounding of the area itself
-
 bool is_inside(const RingTurns& turns) {
     return turns.turns % 2 != 0;
 }
@@ -115,9 +113,9 @@ class Reader {
             if (result_.fates[small].area_mm2 > result_.fates[large].area_mm2) std::swap(small, large);
             const double small_area = result_.fates[small].area_mm2,
                          large_area = result_.fates[large].area_mm2;
-            if (area <= no_share * small_area) continue;
+            if (area <= area_rounding_share * small_area) continue;
             const double beyond = small_area - area;
-            const bool within = beyond <= no_share * small_area;
+            const bool within = beyond <= area_rounding_share * small_area;
             if (within || (beyond <= share_ * small_area && small_area < (1 - share_) * large_area)) {
                 inside_[small].push_back(large);
                 if (!within) result_.fates[small].protruding_area_mm2 += beyond;

@@ -14,6 +14,9 @@
 
 namespace anatomesh {
 
+// Areas of rings that differ by no more than this share of themselves differ by rounding.
+inline constexpr double area_rounding_share = 1e-9;
+
 enum class CombineRule : std::uint8_t {
     nest_and_unite,  // inside another: hole, island ...; partial overlap: united
     exclusive_or,

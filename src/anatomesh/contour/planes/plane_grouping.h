@@ -14,6 +14,8 @@ struct PlaneGroupingOptions {
     double plane_tolerance_mm = 0.05;  // points this far off their plane still show what plane it is
     double plane_repair_mm = 1.0;      // a contour further off than this from every known plane gets its own
     double group_tolerance_mm = 0.01;  // planes closer than this at their contours' extent may be one slice
+
+    bool operator==(const PlaneGroupingOptions&) const = default;
 };
 
 struct ContourToPlace {

@@ -1,4 +1,4 @@
-#include "anatomesh/contour/clean/close_loops.h"
+#include "anatomesh/contour/resolve/close_loops.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,6 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t most_pen_slips = 100'000;  // more are no slips of the pen
-constexpr double area_rounding_share = 1e-9;     // of an area: rounding of the area itself
 
 bool crosses_itself(const Ring& ring) {
     const std::span<const Ring> alone(&ring, 1);

@@ -1,4 +1,4 @@
-#include "anatomesh/contour/clean/doubled_rings.h"
+#include "anatomesh/contour/resolve/doubled_rings.h"
 
 #include <gtest/gtest.h>
 
@@ -102,7 +102,7 @@ TEST(DoubledRings, a_thin_wall_is_kept_and_asked_about) {
     }
     EXPECT_EQ(read({outline(0, 90, 3), outline(-0.8, 90, 3)}).doubts, 0u);
     CleanOptions filled;
-    filled.holes = HoleRule::united;
+    filled.rings.holes = HoleRule::united;
     EXPECT_EQ(read({outline(0, 90, 3), outline(-0.2, 90, 3)}, filled).doubts, 0u);
 }
 

@@ -1,4 +1,4 @@
-#include "anatomesh/contour/clean/doubled_rings.h"
+#include "anatomesh/contour/resolve/doubled_rings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ struct Outline {
 };
 
 // Whether boxes and areas leave it open that the two keep within `within` of each other.
-bool may_reroute(const Outline& a, const Outline& b, double within) {
+bool may_keep_near(const Outline& a, const Outline& b, double within) {
     return std::abs(a.box.low.x - b.box.low.x) <= within && std::abs(a.box.low.y - b.box.low.y) <= within &&
            std::abs(a.box.high.x - b.box.high.x) <= within &&
            std::abs(a.box.high.y - b.box.high.y) <= within &&
@@ -86,7 +86,8 @@ std::vector<DoubledRings> find_doubled_rings(std::span<const Ring> rings, double
             const double edge = std::min(outlines[a].mean_edge, outlines[b].mean_edge);
             const double radius = std::min(outlines[a].radius(), outlines[b].radius());
             const double within = std::min(within_mm, std::max(of_mean_edge * edge, of_radius * radius));
-            if (rings[a].plane != rings[b].plane || !may_reroute(outlines[a], outlines[b], within)) continue;
+            if (rings[a].plane != rings[b].plane || !may_keep_near(outlines[a], outlines[b], within))
+                continue;
             const double apart = std::max(farthest_vertex(rings[a], rings[b], within),
                                           farthest_vertex(rings[b], rings[a], within));
             if (apart > within) continue;

@@ -40,7 +40,7 @@ TEST(CloseLoops, slips_of_the_pen_are_no_holes_and_no_islands) {
                              std::to_string(width));
                 const File file = File().add(slipped(count, width, inside));
                 CleanOptions as_drawn;
-                as_drawn.loop_mm2 = 0;
+                as_drawn.rings.loop_mm2 = 0;
                 const Cleaned all = clean(file, as_drawn), closed = clean(file);
                 ASSERT_TRUE(all.ok() && closed.ok());
                 EXPECT_EQ(all.kept().contours.size(), 1u + static_cast<std::size_t>(count));
@@ -69,7 +69,7 @@ TEST(CloseLoops, what_is_not_small_stays_as_drawn) {
     const File large = File().add(slipped(1, 1.8, false));
     EXPECT_EQ(clean(large).kept().contours.size(), 2u);
     CleanOptions wider;
-    wider.loop_mm2 = 10;
+    wider.rings.loop_mm2 = 10;
     EXPECT_EQ(clean(large, wider).kept().contours.size(), 1u);
     // Below it, but a part of a contour as small: all is scaled.
     Points small = slipped(1, 3, false);
@@ -103,7 +103,7 @@ TEST(CloseLoops, what_another_contour_draws_in_a_loop_stays_what_it_is) {
         ASSERT_TRUE(run.ok());
         EXPECT_EQ(run.count("W-CON-030"), 0u);
         CleanOptions as_drawn;
-        as_drawn.loop_mm2 = 0;
+        as_drawn.rings.loop_mm2 = 0;
         EXPECT_TRUE(same(run.kept(), clean(file, as_drawn).kept()));
         EXPECT_EQ(run.kept().contours.size(), 3u);
         // Beside the loop it is none of the loop's business.
@@ -121,7 +121,7 @@ TEST(CloseLoops, a_pocket_between_contours_is_no_loop) {
     const Points arch{{-1, 19, 10},  {-0.1, 19, 10}, {-0.1, 20.2, 10}, {0.1, 20.2, 10},
                       {0.1, 19, 10}, {1, 19, 10},    {1, 21, 10},      {-1, 21, 10}};
     CleanOptions as_drawn;
-    as_drawn.loop_mm2 = 0;
+    as_drawn.rings.loop_mm2 = 0;
     const Points slip = slipped(1, 0.2, false);
     const Cleaned plain = clean(File().add(circle(0, 0, 20, steps)).add(arch)),
                   closed = clean(File().add(slip).add(arch)),

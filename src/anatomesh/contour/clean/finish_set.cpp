@@ -1,0 +1,108 @@
+#include "anatomesh/contour/clean/finish_set.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include "anatomesh/contour/clean/crowded_points.h"
+#include "anatomesh/contour/clean/weld.h"
+#include "anatomesh/contour/model/message_text.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double crowded_off = 0.1;  // of how near crowded points lie: so far off the line may one be
+
+}  // namespace
+
+Status keep_structures(const RawContours& raw, ContourSet& set, RunContext& context) {
+    std::vector<std::uint8_t> is_used(raw.structures.size(), 0);
+    for (const Contour& contour : set.contours) is_used[contour.structure] = 1;
+    std::vector<std::uint32_t> new_index(raw.structures.size(), 0);
+    std::string names;
+    for (std::uint32_t s : structures_by_number(raw.structures)) {
+        const std::string name = structure_text(raw.structures[s]);
+        names += (names.empty() ? "" : ", ") + name;
+        if (is_used[s]) {
+            new_index[s] = static_cast<std::uint32_t>(set.structures.size());
+            set.structures.push_back(raw.structures[s]);
+        } else {
+            context.warn({"W-CON-001",
+                          "a structure has no contour that bounds a surface",
+                          {raw.source, "", name, "", ""},
+                          "left out"});
+        }
+    }
+    if (set.structures.empty()) {
+        return Error{ErrorKind::input,
+                     "E-CON-001",
+                     names.empty() ? "no contours, no structures" : "no contours; structures: " + names,
+                     {raw.source, "", "", "", ""},
+                     "choose a file with closed planar contours"};
+    }
+    for (Contour& contour : set.contours) contour.structure = new_index[contour.structure];
+    return Nothing{};
+}
+
+double weld_structures(ContourSet& set, double weld_mm, RunContext& context) {
+    if (weld_mm <= 0) return 0;
+    const WeldStats welded = weld_contours(set, weld_mm);
+    if (welded.moved == 0) return welded.max_displacement_mm;
+    context.warn(
+        {"W-CON-021",
+         std::to_string(welded.moved) + " vertices differ from one of another structure by rounding alone",
+         {set.source, "", "", "", "at most " + full(welded.max_displacement_mm) + " mm"},
+         "moved onto it"});
+    return welded.max_displacement_mm;
+}
+
+Status thin_crowded_points(const RawContours& raw, double crowded_mm, ResolvedSlices& resolved,
+                           ReadingLog& log, RunContext& context) {
+    ContourSet& set = resolved.set;
+    if (!has_crowded(set, crowded_mm)) return Nothing{};
+    // Thinning renumbers the contours, so the sources are kept by point.
+    std::vector<std::pair<Vec3, std::uint32_t>> sources;
+    for (std::size_t c = 0; c < set.contours.size(); ++c) {
+        for (const Vec3& p : set.points_of(set.contours[c])) sources.push_back({p, resolved.source_of[c]});
+    }
+    ANATOMESH_TRY(CrowdedPoints thin,
+                  leave_out_crowded(std::move(set), {crowded_mm, crowded_off * crowded_mm}, context));
+    set = std::move(thin.kept);
+    if (thin.left_out.empty()) return Nothing{};
+    std::map<std::uint32_t, std::uint32_t> counts;
+    for (const auto& [point, source] : sources)
+        counts[source] += std::binary_search(thin.left_out.begin(), thin.left_out.end(), point,
+                                             [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
+    std::erase_if(counts, [](const auto& entry) { return entry.second == 0; });
+    for (const auto& [contour, count] : counts) {
+        ContourLog& entry = log.of(contour);
+        entry.points_kept -= std::min(entry.points_kept, count);
+        entry.max_displacement_mm = std::max(entry.max_displacement_mm, thin.distance_mm);
+        log.add_rule(contour, "crowded points left out");
+        log.mark_repaired(contour);
+    }
+    Place place = place_of_contour(raw, counts.begin()->first);
+    place.value = std::to_string(thin.left_out.size()) + " points";
+    context.warn({"W-CON-032",
+                  std::to_string(thin.left_out.size()) + " points lie nearer than " + brief(crowded_mm) +
+                      " mm to the next; the first such contour is named",
+                  std::move(place),
+                  "left out: they are within " + brief(thin.distance_mm) + " mm of the line that is kept"});
+    return Nothing{};
+}
+
+void add_empty_slices(std::vector<EmptyPlane> planes, const std::vector<std::string>& without,
+                      double group_tolerance_mm, ContourSet& set, RunContext& context) {
+    std::erase_if(planes, [&](const EmptyPlane& plane) { return is_one_of(without, plane.name); });
+    const std::vector<std::string> not_placed = keep_empty_slices(set, planes, group_tolerance_mm);
+    if (not_placed.empty()) return;
+    context.warn({"W-CON-031",
+                  "planes without contours cross others, and how far they reach is not known",
+                  {set.source, not_placed.front(), "", "", std::to_string(not_placed.size()) + " planes"},
+                  "they tell nothing; what ends there is to be drawn on a plane that meets it"});
+}
+
+}  // namespace anatomesh
