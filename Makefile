@@ -62,8 +62,8 @@ format:
 	git ls-files '*.h' '*.cpp' | xargs clang-format -i
 
 tidy:
-	@cmake --preset release >/dev/null
-	git ls-files 'src/*.cpp' 'apps/*.cpp' | grep -v _test.cpp | xargs -P $(JOBS) -n 1 clang-tidy -quiet -p $(BUILD)
+	@cmake --preset debug >/dev/null
+	git ls-files 'src/*.cpp' 'apps/*.cpp' | grep -v _test.cpp | xargs -P $(JOBS) -n 1 clang-tidy -quiet -p build/debug
 
 clean:
 	rm -rf build demo

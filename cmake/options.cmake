@@ -99,6 +99,7 @@ function(anatomesh_room_tests name directory)
   if(number GREATER 1)
     anatomesh_precompile_headers(${name}_test <gtest/gtest.h> <map> <numbers> <random> <set>)
   endif()
+  anatomesh_compile_together(${name}_test)
   gtest_discover_tests(${name}_test TEST_PREFIX "unit_${name}." DISCOVERY_TIMEOUT 120
                        PROPERTIES TIMEOUT 300 LABELS unit)
 endfunction()

@@ -15,7 +15,7 @@
 #include "anatomesh_io/mesh/mesh_file.h"
 #include "anatomesh_io/provenance/model_description.h"
 
-namespace anatomesh {
+namespace anatomesh::one_call_test {
 namespace {
 
 using fixtures::DrawnSet;
@@ -122,4 +122,4 @@ INSTANTIATE_TEST_SUITE_P(sets, Command, ::testing::ValuesIn(fixtures::drawn_sets
                          [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::one_call_test

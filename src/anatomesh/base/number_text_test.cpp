@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace anatomesh {
+namespace anatomesh::number_text_test {
 namespace {
 
 TEST(NumberText, reads_whole_texts_alone) {
@@ -45,4 +45,4 @@ TEST(NumberText, keeps_so_many_digits) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::number_text_test

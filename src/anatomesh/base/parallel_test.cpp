@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::parallel_test {
 namespace {
 
 TEST(ParallelFor, every_index_once_for_any_count_grain_and_threads) {
@@ -139,4 +139,4 @@ TEST(ParallelTasks, never_more_at_a_time_than_asked_for_with_the_loops_inside) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::parallel_test

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-namespace anatomesh {
+namespace anatomesh::result_test {
 namespace {
 
 Error wrong(const std::string& code) {
@@ -71,4 +71,4 @@ TEST(Result, a_warning_says_what_was_done) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::result_test

@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-namespace anatomesh {
+namespace anatomesh::sort_distinct_test {
 namespace {
 
 TEST(SortDistinct, GivesEveryNumberOnceRisingHoweverManyThereAre) {
@@ -25,4 +25,4 @@ TEST(SortDistinct, GivesEveryNumberOnceRisingHoweverManyThereAre) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::sort_distinct_test

@@ -4,7 +4,7 @@
 
 #include "anatomesh/cull/culled_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::cull_test {
 namespace {
 
 using namespace fixtures;
@@ -194,4 +194,4 @@ TEST(Cull, same_regions_for_any_number_of_threads) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::cull_test

@@ -12,7 +12,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/shape/quality.h"
 
-namespace anatomesh {
+namespace anatomesh::cut_test {
 namespace {
 
 struct Case {
@@ -398,4 +398,4 @@ TEST(Cut, spurious_components_are_removed) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::cut_test

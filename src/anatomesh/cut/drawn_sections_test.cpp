@@ -14,7 +14,7 @@
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::drawn_sections_test {
 namespace {
 
 using namespace fixtures;
@@ -264,4 +264,4 @@ TEST(DrawnSections, relabelling_keeps_the_cuts) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::drawn_sections_test

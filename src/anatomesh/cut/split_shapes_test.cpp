@@ -17,7 +17,7 @@
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/shape/quality.h"
 
-namespace anatomesh {
+namespace anatomesh::split_shapes_test {
 namespace {
 
 // A grid of n^3 cubes in which every cube has a region; those at the border are outside.
@@ -286,4 +286,4 @@ TEST(SplitShapes, relabelling_lessens_the_unsound_vertices_and_is_deterministic)
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::split_shapes_test

@@ -16,7 +16,7 @@
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/geom/predicates.h"
 
-namespace anatomesh {
+namespace anatomesh::same_cells_test {
 namespace {
 
 using Geometry = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -306,4 +306,4 @@ TEST(SameCells, coordinates_that_are_not_finite_are_refused) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::same_cells_test

@@ -13,7 +13,7 @@
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/mesh/shape/quality.h"
 
-namespace anatomesh {
+namespace anatomesh::tetrahedralize_test {
 namespace {
 
 Tetrahedralization made_of(const std::vector<Vec3>& points) {
@@ -336,4 +336,4 @@ TEST(Tetrahedralize, fewer_cells_than_before_leave_no_holes) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::tetrahedralize_test

@@ -6,7 +6,7 @@
 
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::grey_test {
 namespace {
 
 // An image around the origin with oblique, unequal steps, one of them mirrored; its voxels by position.
@@ -114,4 +114,4 @@ TEST(Grey, same_values_for_any_number_of_threads) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::grey_test

@@ -8,7 +8,7 @@
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/shape/quality.h"
 
-namespace anatomesh {
+namespace anatomesh::material_test {
 namespace {
 
 MaterialLaw power() {
@@ -90,4 +90,4 @@ TEST(Material, a_modulus_of_zero_is_refused) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::material_test

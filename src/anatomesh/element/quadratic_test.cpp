@@ -10,7 +10,7 @@
 #include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::quadratic_test {
 namespace {
 
 using fixtures::AnalyticField;
@@ -264,4 +264,4 @@ TEST(Quadratic, stops_when_cancelled) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::quadratic_test

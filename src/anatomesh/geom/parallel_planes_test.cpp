@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace anatomesh {
+namespace anatomesh::parallel_planes_test {
 namespace {
 
 TEST(ParallelPlanes, a_point_is_in_a_plane_or_between_two) {
@@ -65,4 +65,4 @@ TEST(ParallelPlanes, all_is_below_none) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::parallel_planes_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::plane_sections_test {
 namespace {
 
 using Corners = std::array<Vec3, 4>;
@@ -112,4 +112,4 @@ TEST(PlaneSections, a_plane_ends_where_its_extent_does) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::plane_sections_test

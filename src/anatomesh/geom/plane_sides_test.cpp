@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace anatomesh {
+namespace anatomesh::plane_sides_test {
 namespace {
 
 // Planes of one direction say the same as a stack and as planes in any position.
@@ -56,4 +56,4 @@ TEST(PlaneSides, beyond_its_extent_a_plane_is_nothing_to_pass_through) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::plane_sides_test

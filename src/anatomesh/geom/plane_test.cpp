@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace anatomesh {
+namespace anatomesh::plane_test {
 namespace {
 
 void expect_right_handed_frame(const Plane& plane) {
@@ -52,4 +52,4 @@ TEST(Plane, to_plane_and_to_space_are_inverse) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::plane_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-namespace anatomesh {
+namespace anatomesh::point_grid_test {
 namespace {
 
 using Found = std::vector<std::pair<std::uint32_t, double>>;
@@ -72,4 +72,4 @@ TEST(PointGrid, the_order_of_visits_depends_on_the_points_alone) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::point_grid_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace anatomesh {
+namespace anatomesh::point_triangle_test {
 namespace {
 
 TEST(PointTriangle, distance_in_every_zone) {
@@ -19,4 +19,4 @@ TEST(PointTriangle, distance_in_every_zone) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::point_triangle_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::polygon_test {
 namespace {
 
 TEST(Polygon, area_is_signed_and_does_not_depend_on_the_place) {
@@ -69,4 +69,4 @@ TEST(Polygon, contact_is_symmetric) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::polygon_test

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <random>
 
-namespace anatomesh {
+namespace anatomesh::predicates_test {
 namespace {
 
 using Integer = boost::multiprecision::cpp_int;
@@ -301,4 +301,4 @@ TEST(Predicates, perturbed_spheres_have_no_ties) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::predicates_test

@@ -11,7 +11,7 @@
 #include "anatomesh/image/select.h"
 #include "anatomesh/image/threshold.h"
 
-namespace anatomesh {
+namespace anatomesh::image_operations_test {
 namespace {
 
 LabelMap label_map(std::array<std::uint32_t, 3> size, std::uint16_t structures) {
@@ -215,4 +215,4 @@ TEST(Select, L14_reports_structures_without_a_voxel) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::image_operations_test

@@ -11,7 +11,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
 
-namespace anatomesh {
+namespace anatomesh::improve_mesh_test {
 namespace {
 
 using namespace fixtures;
@@ -449,4 +449,4 @@ TEST(EdgesAlong, finds_what_there_is_of_a_segment_with_a_gap) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::improve_mesh_test

@@ -12,7 +12,7 @@
 #include "anatomesh/measure/volume.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::certificate_test {
 namespace {
 
 const RegionTable one_structure{{{}, {0}}};
@@ -457,4 +457,4 @@ TEST(NumberText, fixed_and_percent) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::certificate_test

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::contradicted_segments_test {
 namespace {
 
 using Numbers = std::vector<std::uint32_t>;
@@ -108,4 +108,4 @@ TEST(ContradictedSegments, a_slice_says_nothing_of_structures_that_it_does_not_d
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::contradicted_segments_test

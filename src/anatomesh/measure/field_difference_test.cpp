@@ -11,7 +11,7 @@
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::field_difference_test {
 namespace {
 
 const std::vector<Structure> two{{1, "one", {1, 2, 3}}, {2, "two", {4, 5, 6}}};
@@ -102,4 +102,4 @@ TEST(FieldDifference, a_structure_without_its_field_is_left_out) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::field_difference_test

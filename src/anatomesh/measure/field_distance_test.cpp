@@ -9,7 +9,7 @@
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::field_distance_test {
 namespace {
 
 // Beside a surface the nearest value, as that of a slab is.
@@ -92,4 +92,4 @@ TEST(FieldDistance, structures_that_the_field_lacks_are_as_if_not_there) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::field_distance_test

@@ -10,7 +10,7 @@
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::hausdorff_test {
 namespace {
 
 Region everywhere(int, int, int) {
@@ -136,4 +136,4 @@ TEST(Hausdorff, bad_surfaces_are_refused_with_a_code) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::hausdorff_test

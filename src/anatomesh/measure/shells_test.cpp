@@ -6,7 +6,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::shells_test {
 namespace {
 
 const RegionTable one_structure{{{}, {0}}};
@@ -88,4 +88,4 @@ TEST(Shells, two_pieces_with_a_contour_each_are_as_drawn) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::shells_test

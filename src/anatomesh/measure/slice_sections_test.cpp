@@ -9,7 +9,7 @@
 #include "anatomesh/contour/overlay/even_odd_area.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 
-namespace anatomesh {
+namespace anatomesh::slice_sections_test {
 namespace {
 
 constexpr double infinite = 1e12;
@@ -193,4 +193,4 @@ TEST(SliceSections, a_part_beside_the_box_of_a_slice_counts_where_its_neighbours
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::slice_sections_test

@@ -13,7 +13,7 @@
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/volume.h"
 
-namespace anatomesh {
+namespace anatomesh::outlines_between_test {
 namespace {
 
 using namespace fixtures;
@@ -211,4 +211,4 @@ TEST(PartStructures, what_voxels_or_levels_tell_already_is_left_as_it_is) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::outlines_between_test

@@ -10,7 +10,7 @@
 #include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/geom/polygon.h"
 
-namespace anatomesh {
+namespace anatomesh::priority_test {
 namespace {
 
 using Polygon = std::vector<Vec2>;
@@ -301,4 +301,4 @@ TEST(Priority, on_slices_that_cross_all_must_lie_one_in_another) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::priority_test

@@ -13,7 +13,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::build_model_test {
 namespace {
 
 using namespace fixtures;
@@ -584,4 +584,4 @@ TEST(BuildModel, RS11_contours_a_little_off_their_plane_are_not_taken_for_missed
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::build_model_test

@@ -6,7 +6,7 @@
 
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::contradicted_places_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -53,4 +53,4 @@ TEST(ContradictedPlaces, a_dent_has_one_on_each_of_its_lines) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::contradicted_places_test

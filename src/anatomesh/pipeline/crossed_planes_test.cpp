@@ -9,7 +9,7 @@
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 #include "anatomesh/reconcile/reconcile.h"
 
-namespace anatomesh {
+namespace anatomesh::crossed_planes_test {
 namespace {
 
 using namespace fixtures;
@@ -78,4 +78,4 @@ TEST(CrossedPlanes, a_plane_across_that_leaves_a_structure_out_does_not_cut_it) 
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::crossed_planes_test

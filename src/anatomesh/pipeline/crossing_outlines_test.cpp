@@ -6,7 +6,7 @@
 
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::crossing_outlines_test {
 namespace {
 
 using namespace fixtures;
@@ -195,4 +195,4 @@ TEST(CrossingOutlines, side_by_side_all_round_keep_nearly_all_of_their_segments)
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::crossing_outlines_test

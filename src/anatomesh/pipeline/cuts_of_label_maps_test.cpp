@@ -8,7 +8,7 @@
 #include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/pipeline/build_model.h"
 
-namespace anatomesh {
+namespace anatomesh::cuts_of_label_maps_test {
 namespace {
 
 constexpr std::uint32_t rim = 2;
@@ -131,4 +131,4 @@ TEST(CutsOfLabelMaps, of_coarse_models_of_thin_walls_are_not_had_by_spikes) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::cuts_of_label_maps_test

@@ -12,7 +12,7 @@
 #include "anatomesh/pipeline/dense_planes_for_test.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::dense_planes_test {
 namespace {
 
 using namespace fixtures;
@@ -162,4 +162,4 @@ TEST(DensePlanes, leave_no_pits) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::dense_planes_test

@@ -8,7 +8,7 @@
 #include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::fine_outlines_test {
 namespace {
 
 using namespace fixtures;
@@ -128,4 +128,4 @@ TEST(FineOutlines, of_few_thick_slices_show_the_stages_of_the_model_that_is_take
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::fine_outlines_test

@@ -7,7 +7,7 @@
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/sample/drawing_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::how_planes_lie_test {
 namespace {
 
 constexpr double pi = 3.14159265358979323846, radius = 20;
@@ -97,4 +97,4 @@ TEST(HowPlanesLie, of_many_that_are_dense_not_all_is_done) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::how_planes_lie_test

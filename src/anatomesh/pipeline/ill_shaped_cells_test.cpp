@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace anatomesh {
+namespace anatomesh::ill_shaped_cells_test {
 namespace {
 
 // A cell of height h over a right-angled base: at 10 degrees between base and slope, and at ratio 4 as it
@@ -31,4 +31,4 @@ TEST(IllShapedCells, are_those_beyond_the_bounds_of_a_cell_that_nothing_forces) 
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::ill_shaped_cells_test

@@ -8,7 +8,7 @@
 
 #include "anatomesh/pipeline/drawn_balls_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::make_model_test {
 namespace {
 
 using fixtures::DrawnSet;
@@ -287,4 +287,4 @@ TEST(PrepareContours, label_maps_are_traced) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::make_model_test

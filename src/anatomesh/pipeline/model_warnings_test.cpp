@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::model_warnings_test {
 namespace {
 
 std::size_t warnings_of_distance(double max_mm, bool at_least, std::uint64_t points = 10) {
@@ -182,4 +182,4 @@ TEST(ModelWarnings, C11_structures_that_overlap_are_told_with_the_volume_of_both
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::model_warnings_test

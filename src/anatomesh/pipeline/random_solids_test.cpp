@@ -25,7 +25,7 @@
 #include "anatomesh/pipeline/random_solids_for_test.h"
 #include "anatomesh/reconcile/reconcile.h"
 
-namespace anatomesh {
+namespace anatomesh::random_solids_test {
 namespace {
 
 using namespace random_solids;
@@ -530,4 +530,4 @@ INSTANTIATE_TEST_SUITE_P(plane_sets, RandomSolids,
                          testing::Combine(testing::Range(0, plane_sets), testing::Range(0, parts)), name_of);
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::random_solids_test

@@ -7,7 +7,7 @@
 #include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::relations_test {
 namespace {
 
 using namespace fixtures;
@@ -232,4 +232,4 @@ TEST(Relations, an_exact_translation_moves_the_points_and_keeps_the_cells) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::relations_test

@@ -4,7 +4,7 @@
 #include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::surface_near_field_test {
 namespace {
 
 using namespace fixtures;
@@ -121,4 +121,4 @@ TEST(SurfaceNearField, parts_that_touch_and_end_reach_to_no_contour_of_the_next_
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::surface_near_field_test

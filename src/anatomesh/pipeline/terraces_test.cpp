@@ -7,7 +7,7 @@
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::terraces_test {
 namespace {
 
 using namespace fixtures;
@@ -187,4 +187,4 @@ TEST(Terraces, ellipsoids_at_any_angle_and_spacing_have_none) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::terraces_test

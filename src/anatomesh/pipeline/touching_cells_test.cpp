@@ -3,7 +3,7 @@
 
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::touching_cells_test {
 namespace {
 
 using namespace fixtures;
@@ -43,4 +43,4 @@ TEST(TouchingCells, clause_4_is_kept_with_few_cells_above_ratio_2) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::touching_cells_test

@@ -6,7 +6,7 @@
 #include "anatomesh/contour/walls/merge_coincident.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::touching_contours_test {
 namespace {
 
 using namespace fixtures;
@@ -166,4 +166,4 @@ TEST(TouchingContours, in_one_vertex_keep_what_is_drawn_beside_it) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::touching_contours_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anatomesh {
+namespace anatomesh::reconcile_arcs_test {
 namespace {
 
 LineComparison comparison(std::uint32_t a, std::uint32_t b, std::uint32_t structure, double difference_mm) {
@@ -39,4 +39,4 @@ TEST(ArcsOverLines, the_farthest_of_a_slice_and_structure_is_noted) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::reconcile_arcs_test

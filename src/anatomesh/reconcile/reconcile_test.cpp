@@ -11,7 +11,7 @@
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 #include "anatomesh/slices/lines/line_intervals.h"
 
-namespace anatomesh {
+namespace anatomesh::reconcile_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -734,4 +734,4 @@ TEST(SliceFaults, finds_crossings_and_wrong_turns) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::reconcile_test

@@ -14,7 +14,7 @@
 #include "anatomesh/recover/cavity.h"
 #include "anatomesh/recover/insert_keeping_segments.h"
 
-namespace anatomesh {
+namespace anatomesh::recover_segments_test {
 namespace {
 
 // A Delaunay mesh of random points in a box, and random segments between some of them that pass by others.
@@ -267,4 +267,4 @@ TEST(InsertKeepingSegments, keeps_subsegments_and_the_domain) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::recover_segments_test

@@ -9,7 +9,7 @@
 #include "anatomesh/pipeline/random_solids_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::contour_subsegments_test {
 namespace {
 
 using random_solids::Random;
@@ -206,4 +206,4 @@ TEST(ContourSubsegments, that_crowd_each_other_are_not_split_to_crumbs) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::contour_subsegments_test

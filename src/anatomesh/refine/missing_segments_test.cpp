@@ -7,7 +7,7 @@
 
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::missing_segments_test {
 namespace {
 
 using namespace fixtures;
@@ -134,4 +134,4 @@ TEST(SidePoints, lie_on_the_side_that_has_no_cell) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::missing_segments_test

@@ -5,7 +5,7 @@
 #include "anatomesh/cull/culled_mesh_for_test.h"
 #include "anatomesh/mesh/shape/quality.h"
 
-namespace anatomesh {
+namespace anatomesh::refine_test {
 namespace {
 
 using namespace fixtures;
@@ -246,4 +246,4 @@ TEST(Refine, deviation_points_open_a_pocket_whose_facets_lie_in_its_rims_plane) 
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::refine_test

@@ -6,7 +6,7 @@
 
 #include "anatomesh/cull/culled_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::section_points_test {
 namespace {
 
 using namespace fixtures;
@@ -188,4 +188,4 @@ TEST(SectionPoints, same_points_for_any_number_of_threads) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::section_points_test

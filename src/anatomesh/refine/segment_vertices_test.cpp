@@ -9,7 +9,7 @@
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/make_structure_field.h"
 
-namespace anatomesh {
+namespace anatomesh::segment_vertices_test {
 namespace {
 
 using namespace fixtures;
@@ -99,4 +99,4 @@ TEST(SliceWeights, planes_that_cross_have_extents_and_no_stack) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::segment_vertices_test

@@ -7,7 +7,7 @@
 #include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/sample/drawing_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::contour_segments_test {
 namespace {
 
 using namespace fixtures;
@@ -178,4 +178,4 @@ TEST(MissingSubsegments, finds_those_that_are_no_edges) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::contour_segments_test

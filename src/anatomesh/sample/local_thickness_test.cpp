@@ -7,7 +7,7 @@
 #include "anatomesh/sample/analytic_field_for_test.h"
 #include "anatomesh/sample/thin_walls.h"
 
-namespace anatomesh {
+namespace anatomesh::local_thickness_test {
 namespace {
 
 using namespace fixtures;
@@ -70,4 +70,4 @@ TEST(ThinWalls, sites_of_a_spot_fill_its_neighbourhood_once) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::local_thickness_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-namespace anatomesh {
+namespace anatomesh::protected_segments_test {
 namespace {
 
 double distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
@@ -69,4 +69,4 @@ TEST(ProtectedSegments, names_the_longest_of_several_segments_until_it_is_droppe
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::protected_segments_test

@@ -10,7 +10,7 @@
 #include "anatomesh/sample/interface_probe.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 
-namespace anatomesh {
+namespace anatomesh::sample_points_test {
 namespace {
 
 using namespace fixtures;
@@ -327,4 +327,4 @@ TEST(InterfaceProbe, finds_the_wall_between_two_structures) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::sample_points_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace anatomesh {
+namespace anatomesh::segment_clusters_test {
 namespace {
 
 struct Rays {
@@ -98,4 +98,4 @@ TEST(ShellPoint, is_on_the_subsegment_at_the_roundest_distance) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::segment_clusters_test

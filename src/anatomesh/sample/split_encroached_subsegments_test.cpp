@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace anatomesh {
+namespace anatomesh::split_encroached_subsegments_test {
 namespace {
 
 struct Drawn {
@@ -278,4 +278,4 @@ TEST(SplitEncroachedSubsegments, within_slices_only_what_strangers_of_the_slice_
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::split_encroached_subsegments_test

@@ -8,7 +8,7 @@
 #include "anatomesh/uncertainty/surface_uncertainty.h"
 #include "anatomesh/uncertainty/where_next.h"
 
-namespace anatomesh {
+namespace anatomesh::uncertainty_test {
 namespace {
 
 using namespace fixtures;
@@ -269,4 +269,4 @@ TEST(GapDoubts, of_a_sweep_is_in_its_gap) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::uncertainty_test

@@ -4,7 +4,7 @@
 
 #include "anatomesh_io/contour/contour_test_support.h"
 
-namespace anatomesh {
+namespace anatomesh::csl_reader_test {
 namespace {
 
 using namespace contour_test;
@@ -163,4 +163,4 @@ TEST(Csl, mutations_never_crash) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::csl_reader_test

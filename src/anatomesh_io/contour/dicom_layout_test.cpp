@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace anatomesh {
+namespace anatomesh::dicom_layout_test {
 namespace {
 
 std::string little(std::uint64_t value, int bytes) {
@@ -243,4 +243,4 @@ TEST(DicomLayout, D15_deflated_within_limits) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::dicom_layout_test

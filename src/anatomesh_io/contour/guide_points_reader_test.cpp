@@ -11,7 +11,7 @@
 #include "anatomesh_io/contour/contour_test_support.h"
 #include "anatomesh_io/contour/read_contours.h"
 
-namespace anatomesh {
+namespace anatomesh::guide_points_reader_test {
 namespace {
 
 using namespace contour_test;
@@ -181,4 +181,4 @@ TEST(GuidePoints, real_heart) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::guide_points_reader_test

@@ -5,7 +5,7 @@
 #include "anatomesh_io/contour/contour_test_support.h"
 #include "anatomesh_io/file/comma_locale_fixture.h"
 
-namespace anatomesh {
+namespace anatomesh::json_reader_test {
 namespace {
 
 using namespace contour_test;
@@ -242,4 +242,4 @@ TEST(Json, mutations_never_crash) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::json_reader_test

@@ -8,7 +8,7 @@
 #include "anatomesh_io/contour/read_contours.h"
 #include "anatomesh_io/contour/write_contours.h"
 
-namespace anatomesh {
+namespace anatomesh::real_contours_test {
 namespace {
 
 using namespace contour_test;
@@ -69,4 +69,4 @@ TEST_P(RealContours, counts_are_those_of_other_readers) {
 INSTANTIATE_TEST_SUITE_P(Files, RealContours, testing::ValuesIn(files));
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::real_contours_test

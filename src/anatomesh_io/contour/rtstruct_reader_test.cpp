@@ -10,7 +10,7 @@
 
 #include "anatomesh_io/contour/contour_test_support.h"
 
-namespace anatomesh {
+namespace anatomesh::rtstruct_reader_test {
 namespace {
 
 using namespace contour_test;
@@ -435,4 +435,4 @@ TEST(RtStruct, D22_mutations_never_crash) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::rtstruct_reader_test

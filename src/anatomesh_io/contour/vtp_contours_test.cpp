@@ -7,7 +7,7 @@
 #include "anatomesh_io/contour/contour_test_support.h"
 #include "anatomesh_io/contour/read_contours.h"
 
-namespace anatomesh {
+namespace anatomesh::vtp_contours_test {
 namespace {
 
 using namespace contour_test;
@@ -190,4 +190,4 @@ TEST_F(VtpFolder, files_that_do_not_go_together) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::vtp_contours_test

@@ -8,7 +8,7 @@
 #include "anatomesh_io/contour/contour_test_support.h"
 #include "anatomesh_io/contour/read_contours.h"
 
-namespace anatomesh {
+namespace anatomesh::write_contours_test {
 namespace {
 
 using namespace contour_test;
@@ -176,4 +176,4 @@ TEST(ReadContours, content_decides_and_not_the_name) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::write_contours_test

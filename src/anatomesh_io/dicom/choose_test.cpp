@@ -8,7 +8,7 @@
 #include "anatomesh_io/dicom/dicom_source.h"
 #include "anatomesh_io/dicom/write_objects.h"
 
-namespace anatomesh {
+namespace anatomesh::choose_test {
 namespace {
 
 using fixtures::ct_series;
@@ -292,4 +292,4 @@ TEST(DicomChoice, G33_numbers_rounded_between_slices_and_contours) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::choose_test

@@ -16,7 +16,7 @@
 #include "anatomesh_io/dicom/read_series.h"
 #include "anatomesh_io/file/comma_locale_fixture.h"
 
-namespace anatomesh {
+namespace anatomesh::dicom_files_test {
 namespace {
 
 using fixtures::ct_series;
@@ -542,4 +542,4 @@ TEST(DicomFiles, frames_without_places_are_refused) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::dicom_files_test

@@ -10,7 +10,7 @@
 
 #include "anatomesh_io/dicom/dicom_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::read_series_test {
 namespace {
 
 using fixtures::ct_series;
@@ -562,4 +562,4 @@ TEST(DicomSeries, O05_no_name_in_messages) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::read_series_test

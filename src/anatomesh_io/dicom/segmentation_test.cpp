@@ -12,7 +12,7 @@
 
 #include "anatomesh_io/dicom/segmentation_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::segmentation_test {
 namespace {
 
 using fixtures::SegFile;
@@ -216,4 +216,4 @@ TEST(DicomSegmentation, L12_bombs) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::segmentation_test

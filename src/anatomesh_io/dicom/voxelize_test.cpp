@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace anatomesh {
+namespace anatomesh::voxelize_test {
 namespace {
 
 // A box of n^3 cubes, six cells each (Kuhn); region 1 where x < half, 2 beyond.
@@ -74,4 +74,4 @@ TEST(Voxelize, a_grid_around_holds_all_of_it) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::voxelize_test

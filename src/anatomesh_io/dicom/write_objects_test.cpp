@@ -16,7 +16,7 @@
 #include "anatomesh_io/dicom/segmentation.h"
 #include "anatomesh_io/dicom/sha256.h"
 
-namespace anatomesh {
+namespace anatomesh::write_objects_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -361,4 +361,4 @@ TEST(DicomObjects, decimal_strings_fit_sixteen_characters) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::write_objects_test

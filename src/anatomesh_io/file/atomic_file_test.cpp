@@ -16,7 +16,7 @@
 #include <random>
 #include <thread>
 
-namespace anatomesh {
+namespace anatomesh::atomic_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -351,4 +351,4 @@ TEST(AtomicFile, F04_temporaries_of_living_runs_and_other_files_stay) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::atomic_file_test

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-namespace anatomesh {
+namespace anatomesh::byte_reader_test {
 namespace {
 
 std::span<const std::byte> bytes_of(const std::string& text) {
@@ -56,4 +56,4 @@ TEST(ByteReader, products_that_do_not_fit_are_nothing) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::byte_reader_test

@@ -6,7 +6,7 @@
 
 #include "anatomesh_io/file/input_file.h"
 
-namespace anatomesh {
+namespace anatomesh::detect_test {
 namespace {
 
 FileKind kind_of(const std::string& text) {
@@ -84,4 +84,4 @@ TEST(Detect, D24_a_folder_is_an_error) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::detect_test

@@ -12,7 +12,7 @@
 
 #include "anatomesh_io/file/byte_reader.h"
 
-namespace anatomesh {
+namespace anatomesh::input_file_test {
 namespace {
 
 std::span<const std::byte> bytes_of(const std::string& text) {
@@ -172,4 +172,4 @@ TEST_F(InputFileTest, N23_mutated_streams_end) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::input_file_test

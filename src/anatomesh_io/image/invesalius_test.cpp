@@ -3,7 +3,7 @@
 #include "anatomesh_io/image/image_fixtures.h"
 #include "anatomesh_io/image/invesalius_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::invesalius_test {
 namespace {
 
 using namespace fixtures;
@@ -83,4 +83,4 @@ TEST(InVesalius, real_skull) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::invesalius_test

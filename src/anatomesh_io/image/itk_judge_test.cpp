@@ -10,7 +10,7 @@
 
 #include "anatomesh_io/image/phantom_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::itk_judge_test {
 namespace {
 
 using namespace fixtures;
@@ -74,6 +74,6 @@ TEST(ItkJudge, N22_images_written_by_itk_are_read_at_the_same_place) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::itk_judge_test
 
 #endif

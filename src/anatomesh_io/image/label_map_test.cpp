@@ -2,7 +2,7 @@
 
 #include "anatomesh_io/image/image_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::label_map_test {
 namespace {
 
 using namespace fixtures;
@@ -178,4 +178,4 @@ TEST(LabelMap, grey_images_do_not_pass_for_label_maps) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::label_map_test

@@ -1,6 +1,6 @@
 #include "anatomesh_io/image/image_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::metaimage_test {
 namespace {
 
 using namespace fixtures;
@@ -146,4 +146,4 @@ TEST(MetaImage, frame_is_for_files_that_say_nothing) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::metaimage_test

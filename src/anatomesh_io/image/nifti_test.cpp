@@ -3,7 +3,7 @@
 
 #include "anatomesh_io/image/image_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::nifti_test {
 namespace {
 
 using namespace fixtures;
@@ -460,4 +460,4 @@ TEST(Nifti, N16_header_and_data_in_two_files) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::nifti_test

@@ -1,6 +1,6 @@
 #include "anatomesh_io/image/image_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::nrrd_test {
 namespace {
 
 using namespace fixtures;
@@ -243,4 +243,4 @@ TEST(Nrrd, segments_are_those_of_the_volume_that_is_read) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::nrrd_test

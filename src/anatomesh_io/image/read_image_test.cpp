@@ -6,7 +6,7 @@
 
 #include "anatomesh_io/image/phantom_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::read_image_test {
 namespace {
 
 using namespace fixtures;
@@ -228,4 +228,4 @@ TEST(ReadImage, real_images) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::read_image_test

@@ -4,7 +4,7 @@
 
 #include "anatomesh_io/image/image_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::tracked_frames_test {
 namespace {
 
 using namespace fixtures;
@@ -238,4 +238,4 @@ TEST(TrackedFrames, contours_lie_in_the_planes_of_their_frames) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::tracked_frames_test

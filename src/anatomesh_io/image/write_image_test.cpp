@@ -5,7 +5,7 @@
 #include "anatomesh_io/image/image_fixtures.h"
 #include "anatomesh_io/image/phantom_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::write_image_test {
 namespace {
 
 using namespace fixtures;
@@ -87,4 +87,4 @@ TEST(WriteImage, other_extensions_and_axes_too_long_are_refused) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::write_image_test

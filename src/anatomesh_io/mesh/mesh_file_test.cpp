@@ -18,7 +18,7 @@
 #include "anatomesh_io/mesh/mutate_for_test.h"
 #include "anatomesh_io/mesh/vtk_xml.h"
 
-namespace anatomesh {
+namespace anatomesh::mesh_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -650,4 +650,4 @@ TEST(MeshFile, reads_what_foreign_writers_wrote) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::mesh_file_test

@@ -17,7 +17,7 @@
 #include "anatomesh_io/mesh/mutate_for_test.h"
 #include "anatomesh_io/mesh/vtk_xml.h"
 
-namespace anatomesh {
+namespace anatomesh::quadratic_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -322,4 +322,4 @@ TEST(QuadraticFiles, writes_samples_for_foreign_readers) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::quadratic_files_test

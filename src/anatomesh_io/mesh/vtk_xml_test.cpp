@@ -7,7 +7,7 @@
 
 #include "anatomesh_io/mesh/mutate_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::vtk_xml_test {
 namespace {
 
 // Polylines, a polygon and a vertex with arrays of every type.
@@ -199,4 +199,4 @@ TEST(VtkXml, damaged_files_never_crash) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::vtk_xml_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-namespace anatomesh {
+namespace anatomesh::acceptor_test {
 namespace {
 
 constexpr const char* ct_class = "1.2.840.10008.5.1.4.1.1.2";
@@ -404,4 +404,4 @@ TEST(Acceptor, A17_random_changes_of_a_conversation) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::acceptor_test

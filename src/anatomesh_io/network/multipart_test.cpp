@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::multipart_test {
 namespace {
 
 struct Parts {
@@ -92,4 +92,4 @@ TEST(Multipart, boundaries_of_content_types) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::multipart_test

@@ -13,7 +13,7 @@
 #include "anatomesh_io/dicom/tags.h"
 #include "anatomesh_io/network/dcmtk_door.h"
 
-namespace anatomesh {
+namespace anatomesh::object_store_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -263,4 +263,4 @@ TEST(Transcode, explicit_to_implicit_keeps_the_elements) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::object_store_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace anatomesh {
+namespace anatomesh::pdu_test {
 namespace {
 
 Association some_association() {
@@ -154,4 +154,4 @@ TEST(Pdu, A21_a_longest_unit_that_holds_nothing_is_refused) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::pdu_test

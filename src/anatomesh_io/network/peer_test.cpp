@@ -6,7 +6,7 @@
 #include "anatomesh_io/network/http_client.h"
 #include "anatomesh_io/network/query.h"
 
-namespace anatomesh {
+namespace anatomesh::peer_test {
 namespace {
 
 TEST(Peer, titles_hosts_ports_and_urls) {
@@ -64,4 +64,4 @@ TEST(Query, every_keyword_is_found_once) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::peer_test

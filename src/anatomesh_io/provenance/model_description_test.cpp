@@ -9,7 +9,7 @@
 #include "anatomesh/pipeline/make_model.h"
 #include "anatomesh_io/provenance/routed_contour_notes.h"
 
-namespace anatomesh {
+namespace anatomesh::model_description_test {
 namespace {
 
 class ModelDescription : public ::testing::TestWithParam<fixtures::DrawnSet> {};
@@ -68,4 +68,4 @@ INSTANTIATE_TEST_SUITE_P(sets, ModelDescription, ::testing::ValuesIn(fixtures::d
                          [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::model_description_test

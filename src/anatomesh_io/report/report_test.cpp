@@ -16,7 +16,7 @@
 #include "anatomesh_io/report/report_html.h"
 #include "anatomesh_io/report/report_json.h"
 
-namespace anatomesh {
+namespace anatomesh::report_test {
 namespace {
 
 const std::string hostile =
@@ -209,4 +209,4 @@ TEST(ReportCharts, bars_beyond_the_bound_are_marked) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::report_test

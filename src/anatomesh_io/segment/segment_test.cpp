@@ -8,7 +8,7 @@
 
 #include "anatomesh_io/segment/segment_slices.h"
 
-namespace anatomesh {
+namespace anatomesh::segment_test {
 namespace {
 
 // A ball of value 100 in 20, noise of deviation `noise`, voxels of 1 x 1 x 1.5 mm, and its truth.
@@ -309,4 +309,4 @@ TEST(CleanMask, opening_takes_bridges_and_closing_fills_slits) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::segment_test

@@ -13,7 +13,7 @@
 #include "anatomesh/contour/cleaned_for_test.h"
 #include "anatomesh/geom/polygon.h"
 
-namespace anatomesh {
+namespace anatomesh::clean_test {
 namespace {
 
 using namespace fixtures;
@@ -748,4 +748,4 @@ TEST(Clean, cancelled_run_says_so) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::clean_test

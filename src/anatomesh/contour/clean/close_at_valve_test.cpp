@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace anatomesh {
+namespace anatomesh::close_at_valve_test {
 namespace {
 
 using Points = std::vector<Vec3>;
@@ -68,4 +68,4 @@ TEST(CloseAtValve, a_gap_of_more_than_half_of_what_is_drawn_is_no_valve) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::close_at_valve_test

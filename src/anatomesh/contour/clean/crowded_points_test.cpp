@@ -9,7 +9,7 @@
 
 #include "anatomesh/contour/cleaned_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::crowded_points_test {
 namespace {
 
 using namespace fixtures;
@@ -142,4 +142,4 @@ TEST(CrowdedPoints, C32_a_small_unit_is_no_crowd) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::crowded_points_test

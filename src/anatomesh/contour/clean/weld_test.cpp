@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anatomesh {
+namespace anatomesh::weld_test {
 namespace {
 
 ContourSet two_squares(double gap) {
@@ -41,4 +41,4 @@ TEST(Weld, points_of_one_contour_are_never_made_equal) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::weld_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anatomesh {
+namespace anatomesh::choose_structures_test {
 namespace {
 
 // Three slices; structure s has a triangle at s on every slice but slice s.
@@ -48,4 +48,4 @@ TEST(ChooseStructures, their_contours_alone_and_every_slice) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::choose_structures_test

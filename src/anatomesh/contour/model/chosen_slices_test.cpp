@@ -6,7 +6,7 @@
 
 #include "anatomesh/contour/cleaned_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::chosen_slices_test {
 namespace {
 
 using namespace fixtures;
@@ -69,4 +69,4 @@ TEST(ChosenSlices, slices_are_called_as_in_the_file_where_it_gives_no_plane) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::chosen_slices_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::contour_set_test {
 namespace {
 
 ContourSet stack(const std::vector<double>& positions, Vec3 normal) {
@@ -57,4 +57,4 @@ TEST(ContourSet, a_slice_at_the_same_position_opens_no_gap) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::contour_set_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anatomesh {
+namespace anatomesh::find_structures_test {
 namespace {
 
 using Indices = std::vector<std::uint32_t>;
@@ -54,4 +54,4 @@ TEST(FindStructures, a_unique_text_finds_its_structure_alone) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::find_structures_test

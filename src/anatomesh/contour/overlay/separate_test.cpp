@@ -8,7 +8,7 @@
 
 #include "anatomesh/contour/cleaned_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::separate_test {
 namespace {
 
 using namespace fixtures;
@@ -58,4 +58,4 @@ TEST(SeparateRings, C08_no_corner_is_cut_off_beyond_a_ring_in_it) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::separate_test

@@ -4,7 +4,7 @@
 
 #include "anatomesh/contour/cleaned_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::empty_slices_test {
 namespace {
 
 using namespace fixtures;
@@ -129,4 +129,4 @@ TEST(EmptySlices, C26_where_planes_cross_an_empty_one_tells_nothing_and_that_is_
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::empty_slices_test

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::near_planes_test {
 namespace {
 
 using Points = std::vector<Vec3>;
@@ -184,4 +184,4 @@ TEST(NearPlanes, that_are_declared_stay_as_they_are) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::near_planes_test

@@ -7,7 +7,7 @@
 
 #include "anatomesh/contour/cleaned_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::out_of_line_test {
 namespace {
 
 using namespace fixtures;
@@ -91,4 +91,4 @@ TEST(OutOfLine, one_of_several_structures_that_lies_aside_alone_is_its_own_shape
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::out_of_line_test

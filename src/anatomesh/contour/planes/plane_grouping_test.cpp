@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::plane_grouping_test {
 namespace {
 
 using Points = std::vector<Vec3>;
@@ -186,4 +186,4 @@ TEST(PlaneGrouping, C28_planes_that_nearly_agree_stay_apart) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::plane_grouping_test

@@ -7,7 +7,7 @@
 
 #include "anatomesh/contour/cleaned_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::close_loops_test {
 namespace {
 
 using namespace fixtures;
@@ -137,4 +137,4 @@ TEST(CloseLoops, a_pocket_between_contours_is_no_loop) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::close_loops_test

@@ -8,7 +8,7 @@
 #include "anatomesh/contour/clean/clean.h"
 #include "anatomesh/geom/polygon.h"
 
-namespace anatomesh {
+namespace anatomesh::doubled_rings_test {
 namespace {
 
 // A wavy outline about the origin at z = 3, every point `outwards` mm further out.
@@ -148,4 +148,4 @@ TEST(DoubledRings, the_distance_is_the_largest_of_both_ways) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::doubled_rings_test

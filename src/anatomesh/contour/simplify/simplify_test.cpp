@@ -11,7 +11,7 @@
 
 #include "anatomesh/contour/contour_laws_test.h"
 
-namespace anatomesh {
+namespace anatomesh::simplify_test {
 namespace {
 
 struct Drawn {
@@ -255,4 +255,4 @@ TEST(Simplify, triangles_stay) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::simplify_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::small_pieces_test {
 namespace {
 
 using Rows = std::vector<std::string>;
@@ -141,4 +141,4 @@ TEST(SmallPieces, L19_no_small_piece_is_left_of_noise) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::small_pieces_test

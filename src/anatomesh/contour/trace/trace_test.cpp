@@ -15,7 +15,7 @@
 #include "anatomesh/contour/contour_laws_test.h"
 #include "anatomesh/contour/same_contours_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::trace_test {
 namespace {
 
 using fixtures::same;
@@ -562,4 +562,4 @@ TEST(Trace, stops_when_cancelled) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::trace_test

@@ -8,7 +8,7 @@
 
 #include "anatomesh/contour/walls_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::close_gaps_test {
 namespace {
 
 using namespace fixtures;
@@ -190,4 +190,4 @@ TEST(CloseGaps, widths_of_nothing_change_nothing) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::close_gaps_test

@@ -10,7 +10,7 @@
 #include "anatomesh/contour/drawn_slice_for_test.h"
 #include "anatomesh/geom/polygon.h"
 
-namespace anatomesh {
+namespace anatomesh::merge_coincident_test {
 namespace {
 
 using namespace fixtures;
@@ -347,4 +347,4 @@ TEST(MergeCoincident, the_same_for_other_directions_of_the_plane_and_none_withou
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::merge_coincident_test

@@ -9,7 +9,7 @@
 #include "anatomesh/contour/walls_for_test.h"
 #include "anatomesh/geom/polygon.h"
 
-namespace anatomesh {
+namespace anatomesh::slivers_test {
 namespace {
 
 using namespace fixtures;
@@ -268,4 +268,4 @@ TEST(CloseSlivers, what_a_third_structure_fills_stays_its_own) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::slivers_test

@@ -8,7 +8,7 @@
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/make_structure_field.h"
 
-namespace anatomesh {
+namespace anatomesh::counted_field_test {
 namespace {
 
 using namespace fixtures;
@@ -57,4 +57,4 @@ TEST(CountedField, answers_as_the_field_does_and_counts_each_place) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::counted_field_test

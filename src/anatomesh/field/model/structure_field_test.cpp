@@ -9,7 +9,7 @@
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/make_structure_field.h"
 
-namespace anatomesh {
+namespace anatomesh::structure_field_test {
 namespace {
 
 using namespace fixtures;
@@ -459,4 +459,4 @@ TEST(StructureField, box_holds_every_point_inside) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::structure_field_test

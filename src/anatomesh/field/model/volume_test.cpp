@@ -9,7 +9,7 @@
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/make_structure_field.h"
 
-namespace anatomesh {
+namespace anatomesh::volume_test {
 namespace {
 
 using namespace fixtures;
@@ -452,4 +452,4 @@ TEST(FieldVolumes, what_ends_beside_the_rest_equals_the_count_of_every_point) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::volume_test

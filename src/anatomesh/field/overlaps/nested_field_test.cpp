@@ -14,7 +14,7 @@
 #include "anatomesh/field/voxel_topology_for_test.h"
 #include "anatomesh/overlaps/priority.h"
 
-namespace anatomesh {
+namespace anatomesh::nested_field_test {
 namespace {
 
 using namespace fixtures;
@@ -239,4 +239,4 @@ TEST(NestedField, slices_that_draw_others_alone_say_nothing_of_a_structure) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::nested_field_test

@@ -13,7 +13,7 @@
 #include "anatomesh/field/voxel_topology_for_test.h"
 #include "anatomesh/slices/arrangement/stack_and_crossing.h"
 
-namespace anatomesh {
+namespace anatomesh::crossed_field_test {
 namespace {
 
 using namespace fixtures;
@@ -327,4 +327,4 @@ TEST(CrossedField, a_ceiling_near_a_slice_goes_on_beside_the_plane_that_draws_it
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::crossed_field_test

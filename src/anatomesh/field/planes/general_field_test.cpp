@@ -9,7 +9,7 @@
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/reconcile/reconcile.h"
 
-namespace anatomesh {
+namespace anatomesh::general_field_test {
 namespace {
 
 using namespace fixtures;
@@ -501,4 +501,4 @@ TEST(GeneralField, two_passes_of_a_probe_side_by_side_do_not_deny_each_other) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::general_field_test

@@ -10,7 +10,7 @@
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/structure_field.h"
 
-namespace anatomesh {
+namespace anatomesh::obliquity_test {
 namespace {
 
 using namespace fixtures;
@@ -179,4 +179,4 @@ TEST(ObliquityFactors, are_the_same_wherever_the_planes_lie) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::obliquity_test

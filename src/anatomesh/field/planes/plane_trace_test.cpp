@@ -9,7 +9,7 @@
 
 #include "anatomesh/field/slice/distance_map.h"
 
-namespace anatomesh {
+namespace anatomesh::plane_trace_test {
 namespace {
 
 // Its distance is that from the boundary, whatever the values are like, and also where they jump.
@@ -55,4 +55,4 @@ TEST(PlaneTrace, is_closed_and_has_the_area) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::plane_trace_test

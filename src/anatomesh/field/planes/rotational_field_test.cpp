@@ -11,7 +11,7 @@
 #include "anatomesh/field/rotational_fixtures_for_test.h"
 #include "anatomesh/field/voxel_topology_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::rotational_field_test {
 namespace {
 
 using namespace fixtures;
@@ -335,4 +335,4 @@ TEST(RotationalField, box_holds_what_bulges_between_the_slices) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::rotational_field_test

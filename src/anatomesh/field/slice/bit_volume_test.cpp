@@ -7,7 +7,7 @@
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/slice/distance_map.h"
 
-namespace anatomesh {
+namespace anatomesh::bit_volume_test {
 namespace {
 
 using namespace fixtures;
@@ -59,4 +59,4 @@ TEST(BitVolume, regions_beyond_the_grid_are_cut_off) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::bit_volume_test

@@ -8,7 +8,7 @@
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/geom/predicates.h"
 
-namespace anatomesh {
+namespace anatomesh::distance_map_test {
 namespace {
 
 using namespace fixtures;
@@ -251,4 +251,4 @@ TEST(DistanceMap, bounds_hold) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::distance_map_test

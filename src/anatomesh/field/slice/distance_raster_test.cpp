@@ -8,7 +8,7 @@
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/slice/bit_volume.h"
 
-namespace anatomesh {
+namespace anatomesh::distance_raster_test {
 namespace {
 
 using namespace fixtures;
@@ -109,4 +109,4 @@ TEST(DistanceRaster, grows_by_one_millimetre_a_millimetre_everywhere) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::distance_raster_test

@@ -6,7 +6,7 @@
 
 #include "anatomesh/field/field_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::slice_stack_test {
 namespace {
 
 using namespace fixtures;
@@ -104,4 +104,4 @@ TEST(SliceStack, slices_that_make_no_image_are_refused) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::slice_stack_test

@@ -12,7 +12,7 @@
 #include "anatomesh/field/model/volume.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 
-namespace anatomesh {
+namespace anatomesh::levels_test {
 namespace {
 
 using namespace fixtures;
@@ -469,4 +469,4 @@ TEST(Levels, tell_their_parts) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::levels_test

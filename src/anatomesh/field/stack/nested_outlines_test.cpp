@@ -7,7 +7,7 @@
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/structure_field.h"
 
-namespace anatomesh {
+namespace anatomesh::nested_outlines_test {
 namespace {
 
 using namespace fixtures;
@@ -86,4 +86,4 @@ TEST(NestedOutlines, a_cap_that_shrinks_fast_has_no_step) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::nested_outlines_test

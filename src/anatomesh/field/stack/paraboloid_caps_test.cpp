@@ -5,7 +5,7 @@
 
 #include "anatomesh/field/field_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::paraboloid_caps_test {
 namespace {
 
 using namespace fixtures;
@@ -105,4 +105,4 @@ TEST(ParaboloidCaps, values) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::paraboloid_caps_test

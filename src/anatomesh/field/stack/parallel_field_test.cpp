@@ -14,7 +14,7 @@
 #include "anatomesh/field/model/volume.h"
 #include "anatomesh/field/voxel_topology_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::parallel_field_test {
 namespace {
 
 using namespace fixtures;
@@ -374,4 +374,4 @@ TEST(ParallelField, values_within_a_reach_are_the_values) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::parallel_field_test

@@ -5,7 +5,7 @@
 
 #include "anatomesh/field/field_fixtures.h"
 
-namespace anatomesh {
+namespace anatomesh::terminating_components_test {
 namespace {
 
 using namespace fixtures;
@@ -124,4 +124,4 @@ TEST(TerminatingComponents, of_a_union_only_where_others_are_touched_and_nothing
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::terminating_components_test

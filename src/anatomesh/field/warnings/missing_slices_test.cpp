@@ -6,7 +6,7 @@
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/field/rotational_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::missing_slices_test {
 namespace {
 
 using namespace fixtures;
@@ -77,4 +77,4 @@ TEST(MissingSlices, are_told_of_by_the_field) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::missing_slices_test

@@ -6,7 +6,7 @@
 
 #include "anatomesh/improve/core/quality_gate.h"
 
-namespace anatomesh {
+namespace anatomesh::climb_profile_test {
 namespace {
 
 TEST(CellOperations, every_operation_is_attempted_once_in_each_place_and_the_cheap_ones_come_first) {
@@ -86,4 +86,4 @@ TEST(ClimbProfiles,
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::climb_profile_test

@@ -3,7 +3,7 @@
 #include "anatomesh/improve/core/quality_gate.h"
 #include "anatomesh/improve/labelled_meshes_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::hill_climber_test {
 namespace {
 
 using namespace fixtures;
@@ -157,4 +157,4 @@ TEST(HillClimber, a_change_that_breaks_the_bounds_of_limited_cells_is_undone) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::hill_climber_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace anatomesh {
+namespace anatomesh::acceptance_rule_test {
 namespace {
 
 QualityThreshold threshold_of(double sine, double ratio) {
@@ -60,4 +60,4 @@ TEST(AcceptanceRule, cells_outside_may_be_as_flat_as_before_but_serve_as_room_on
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::acceptance_rule_test

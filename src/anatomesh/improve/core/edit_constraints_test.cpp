@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace anatomesh {
+namespace anatomesh::edit_constraints_test {
 namespace {
 
 // Vertices 0 to 3 are fixed and edge 01 is; vertices 4 and 5 are free.
@@ -82,4 +82,4 @@ TEST(SliceVertices, drawn_vertices_and_those_added_have_a_slice) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::edit_constraints_test

@@ -10,7 +10,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::failed_attempt_cache_test {
 namespace {
 
 TEST(FailedAttemptCache, are_worth_another_one_once_a_cell_at_a_vertex_of_theirs_has_changed) {
@@ -36,4 +36,4 @@ TEST(FailedAttemptCache, are_worth_another_one_once_a_cell_at_a_vertex_of_theirs
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::failed_attempt_cache_test

@@ -5,7 +5,7 @@
 #include "anatomesh/improve/operations/segment_edges.h"
 #include "anatomesh/mesh/edit/facets.h"
 
-namespace anatomesh {
+namespace anatomesh::last_operations_test {
 namespace {
 
 using namespace fixtures;
@@ -302,4 +302,4 @@ TEST(LastOperations, those_for_ratios_lower_them_and_spare_good_angles) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::last_operations_test

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace anatomesh {
+namespace anatomesh::contour_loop_test {
 namespace {
 
 // A regular polygon of radius 1: vertex n is number 100 + n.
@@ -130,4 +130,4 @@ TEST(Rows, distances_are_taken_both_ways) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::contour_loop_test

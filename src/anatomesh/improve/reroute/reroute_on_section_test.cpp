@@ -14,7 +14,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::reroute_on_section_test {
 namespace {
 
 constexpr double any_sine = 0;
@@ -327,4 +327,4 @@ TEST(RerouteOnSection, contours_that_are_edges_already_stay_as_they_are) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::reroute_on_section_test

@@ -10,7 +10,7 @@
 
 #include "anatomesh/sample/drawing_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::routed_contours_test {
 namespace {
 
 // Squares of side 10 on planes z = 0, 5, ..., drawn with a vertex every millimetre.
@@ -123,4 +123,4 @@ TEST(RoutedContours, may_have_passed_by_a_vertex_that_is_lost) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::routed_contours_test

@@ -22,7 +22,7 @@
 #include "anatomesh/pipeline/dense_planes_for_test.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::snap_round_segments_test {
 namespace {
 
 using namespace fixtures;
@@ -353,4 +353,4 @@ TEST(SnapRoundSegments, leaves_contours_alone_of_which_vertices_are_lost) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::snap_round_segments_test

@@ -4,7 +4,7 @@
 
 #include "anatomesh/improve/sections/sectioned_bricks_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::cross_section_errors_test {
 namespace {
 
 using fixtures::SectionedBricks;
@@ -89,4 +89,4 @@ TEST(CrossSectionErrors, some_cells_and_then_the_others_are_all) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::cross_section_errors_test

@@ -14,7 +14,7 @@
 #include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::detach_facets_from_plane_test {
 namespace {
 
 // A block of cubes that is a structure from z = 2 up, for x and y between 1 and 5, with all of z = 2 in a
@@ -159,4 +159,4 @@ TEST(DetachFacetsFromPlane, without_a_slice_or_with_another_region_across_nothin
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::detach_facets_from_plane_test

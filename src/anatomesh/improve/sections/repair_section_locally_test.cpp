@@ -17,7 +17,7 @@
 #include "anatomesh/mesh/shape/cell_shape.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::repair_section_locally_test {
 namespace {
 
 constexpr int width = 8, height = 6;
@@ -574,4 +574,4 @@ TEST(SectionAreas, of_all_cells_add_up_to_the_plane) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::repair_section_locally_test

@@ -6,7 +6,7 @@
 
 #include "anatomesh/improve/sections/sectioned_bricks_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::section_areas_test {
 namespace {
 
 using fixtures::SectionedBricks;
@@ -124,4 +124,4 @@ TEST(SectionAreas, wrong_sections_of_a_plane_add_up_to_its_cross_section) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::section_areas_test

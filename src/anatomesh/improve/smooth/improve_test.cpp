@@ -11,7 +11,7 @@
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
 
-namespace anatomesh {
+namespace anatomesh::improve_test {
 namespace {
 
 using namespace fixtures;
@@ -264,4 +264,4 @@ TEST(BalanceVolumes, a_target_out_of_reach_stops_at_the_largest_offset) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::improve_test

@@ -7,7 +7,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/stars/star.h"
 
-namespace anatomesh {
+namespace anatomesh::ratio_slopes_test {
 namespace {
 
 using namespace fixtures;
@@ -110,4 +110,4 @@ TEST(RatioSlopes, are_the_same_with_two_threads) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::ratio_slopes_test

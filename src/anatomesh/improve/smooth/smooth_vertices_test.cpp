@@ -8,7 +8,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/sample/interface_probe.h"
 
-namespace anatomesh {
+namespace anatomesh::smooth_vertices_test {
 namespace {
 
 using namespace fixtures;
@@ -154,4 +154,4 @@ TEST(SmoothVertices, a_vertex_off_the_middle_of_its_neighbours_goes_there) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::smooth_vertices_test

@@ -7,7 +7,7 @@
 #include "anatomesh/improve/smooth/vertex_mover.h"
 #include "anatomesh/mesh/stars/star.h"
 
-namespace anatomesh {
+namespace anatomesh::star_ratios_test {
 namespace {
 
 using namespace fixtures;
@@ -116,4 +116,4 @@ TEST(StarRatios, judges_as_the_mover_does) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::star_ratios_test

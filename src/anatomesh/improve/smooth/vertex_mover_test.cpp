@@ -9,7 +9,7 @@
 
 #include "anatomesh/improve/labelled_meshes_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::vertex_mover_test {
 namespace {
 
 using namespace fixtures;
@@ -92,4 +92,4 @@ TEST(VertexMover, moves_vertices_apart_in_one_order_at_any_thread_count) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::vertex_mover_test

@@ -14,7 +14,7 @@
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::recover_on_surface_test {
 namespace {
 
 using Subsegment = std::array<std::uint32_t, 3>;
@@ -438,4 +438,4 @@ TEST(RecoverOnSurface, a_subsegment_beside_another_structure_is_recovered) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::recover_on_surface_test

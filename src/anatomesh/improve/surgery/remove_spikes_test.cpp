@@ -7,7 +7,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::remove_spikes_test {
 namespace {
 
 using namespace fixtures;
@@ -174,4 +174,4 @@ TEST(RemoveSpikes, a_cell_that_reaches_a_fixed_vertex_of_another_structure_lets_
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::remove_spikes_test

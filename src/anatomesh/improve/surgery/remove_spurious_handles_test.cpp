@@ -14,7 +14,7 @@
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::remove_spurious_handles_test {
 namespace {
 
 constexpr int width = 8;
@@ -291,4 +291,4 @@ TEST(RemoveSpuriousHandles, of_many_holes_and_bridges_nothing_else_goes) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::remove_spurious_handles_test

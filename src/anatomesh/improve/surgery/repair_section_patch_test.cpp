@@ -16,7 +16,7 @@
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::repair_section_patch_test {
 namespace {
 
 constexpr int width = 8, height = 6;
@@ -358,4 +358,4 @@ TEST(RepairSectionPatch, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::repair_section_patch_test

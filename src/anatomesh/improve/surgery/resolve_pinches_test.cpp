@@ -16,7 +16,7 @@
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::resolve_pinches_test {
 namespace {
 
 using Cube = std::array<int, 3>;
@@ -155,4 +155,4 @@ TEST(ResolvePinches, cubes_among_any_others_are_joined_mostly) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::resolve_pinches_test

@@ -6,7 +6,7 @@
 
 #include "anatomesh/improve/sections/sectioned_bricks_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::structure_components_test {
 namespace {
 
 using fixtures::SectionedBricks;
@@ -120,4 +120,4 @@ TEST(StructureComponents, a_slab_parts_what_is_on_its_sides) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::structure_components_test

@@ -10,7 +10,7 @@
 #include "anatomesh/mesh/model/cube_solid_for_test.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 
-namespace anatomesh {
+namespace anatomesh::spurious_joints_test {
 namespace {
 
 using fixtures::CubeSolid;
@@ -209,4 +209,4 @@ TEST(SpuriousJoints, of_structures_that_are_not_asked_for_there_are_none) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::spurious_joints_test

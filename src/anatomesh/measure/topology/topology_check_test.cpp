@@ -12,7 +12,7 @@
 #include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/sample/drawing_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::topology_check_test {
 namespace {
 
 using namespace fixtures;
@@ -359,4 +359,4 @@ TEST(TopologyCheck, C16_branches_are_not_judged) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::topology_check_test

@@ -8,7 +8,7 @@
 
 #include "anatomesh/mesh/model/cube_solid_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::small_handles_test {
 namespace {
 
 using fixtures::CubeSolid;
@@ -83,4 +83,4 @@ TEST(SmallHandles, are_none_on_bumps_dents_corners_and_voids) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::small_handles_test

@@ -14,7 +14,7 @@
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/shape/quality.h"
 
-namespace anatomesh {
+namespace anatomesh::topology_test {
 namespace {
 
 using testing::brick_mesh;
@@ -242,4 +242,4 @@ TEST(RegionFacets, are_those_between_cells_of_two_regions) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::topology_test

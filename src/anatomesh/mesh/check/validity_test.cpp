@@ -9,7 +9,7 @@
 #include "anatomesh/mesh/check/triangles_meet.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::validity_test {
 namespace {
 
 using testing::brick_mesh;
@@ -198,4 +198,4 @@ TEST(Validity, is_quick_enough_for_every_run) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::validity_test

@@ -11,7 +11,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::drop_outside_test {
 namespace {
 using testing::brick_mesh;
 
@@ -93,4 +93,4 @@ TEST(CompactRegions, NumbersDoNotDependOnTheOrderInWhichRegionsWereMet) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::drop_outside_test

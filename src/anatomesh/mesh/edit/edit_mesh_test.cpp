@@ -12,7 +12,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::edit_mesh_test {
 namespace {
 
 TetMesh shaken_bricks(unsigned seed) {
@@ -244,4 +244,4 @@ TEST(EditMesh, cells_that_differ_since_an_attempt_began_are_among_the_changed_on
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::edit_mesh_test

@@ -8,7 +8,7 @@
 
 #include "anatomesh/mesh/model/tet_mesh.h"
 
-namespace anatomesh {
+namespace anatomesh::quality_test {
 namespace {
 
 using Points = std::array<Vec3, 4>;
@@ -92,4 +92,4 @@ TEST(Quality, laws_of_shape) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::quality_test

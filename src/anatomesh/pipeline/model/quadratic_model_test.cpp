@@ -8,7 +8,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::quadratic_model_test {
 namespace {
 
 using namespace fixtures;
@@ -114,4 +114,4 @@ TEST(QuadraticModel, is_nearer_to_the_field_than_the_linear_model) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::quadratic_model_test

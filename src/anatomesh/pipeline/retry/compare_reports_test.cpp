@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::compare_reports_test {
 namespace {
 
 struct Case {
@@ -125,4 +125,4 @@ TEST(CompareReports, WithinWhatIsNearEnoughDistancesAreAlike) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::compare_reports_test

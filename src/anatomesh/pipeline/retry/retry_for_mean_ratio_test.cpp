@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::retry_for_mean_ratio_test {
 namespace {
 
 Model with_mean(double mean, std::size_t cells = 1000) {
@@ -119,4 +119,4 @@ TEST(RetryForMeanRatio, EndsWhenItIsCancelled) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::retry_for_mean_ratio_test

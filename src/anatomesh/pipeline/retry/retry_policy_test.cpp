@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::retry_policy_test {
 namespace {
 
 const RunScore good{.kept_contract = true, .over_bound = 0.001, .cells = 100000};
@@ -356,4 +356,4 @@ TEST(RetryPolicy, OneThatMeetsAllClausesComesBeforeOneThatDoesNot) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::retry_policy_test

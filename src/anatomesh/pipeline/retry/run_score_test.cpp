@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace anatomesh {
+namespace anatomesh::run_score_test {
 namespace {
 
 // A model that keeps the contract: two structures of 100 segments each, 4 of which are no chains of edges.
@@ -100,4 +100,4 @@ TEST(RunScore, OfOneThatIsRefusedItIsToldWhetherASizeMayMend) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::run_score_test

@@ -5,7 +5,7 @@
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 #include "anatomesh/reconcile/reconcile.h"
 
-namespace anatomesh {
+namespace anatomesh::thin_walls_test {
 namespace {
 
 using namespace fixtures;
@@ -88,4 +88,4 @@ TEST(WallSize, walls_too_thin_for_any_model_are_named) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::thin_walls_test

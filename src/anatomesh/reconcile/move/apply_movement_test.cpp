@@ -9,7 +9,7 @@
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::apply_movement_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -87,4 +87,4 @@ TEST(ApplyMovement, the_number_of_threads_does_not_matter) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::apply_movement_test

@@ -9,7 +9,7 @@
 #include "anatomesh/reconcile/reconcile.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 
-namespace anatomesh {
+namespace anatomesh::common_lines_test {
 namespace {
 
 using fixtures::Ring;
@@ -105,4 +105,4 @@ TEST(CommonLines, C27_half_an_organ_cut_along_the_axis_is_modelled) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::common_lines_test

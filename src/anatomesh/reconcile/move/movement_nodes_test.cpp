@@ -5,7 +5,7 @@
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 
-namespace anatomesh {
+namespace anatomesh::movement_nodes_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -95,4 +95,4 @@ TEST(MovementNodes, arcs_are_pinned_but_anchors_stay) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::movement_nodes_test

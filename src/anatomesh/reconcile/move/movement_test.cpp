@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace anatomesh {
+namespace anatomesh::movement_test {
 namespace {
 
 struct Problem {
@@ -153,4 +153,4 @@ TEST(Movement, between_two_ends_it_is_the_sum_of_two_exponentials) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::movement_test

@@ -11,7 +11,7 @@
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 
-namespace anatomesh {
+namespace anatomesh::original_positions_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -135,4 +135,4 @@ TEST(SplitAtEnds, leaves_slices_that_agree_alone) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::original_positions_test

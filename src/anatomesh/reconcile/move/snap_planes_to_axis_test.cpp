@@ -8,7 +8,7 @@
 
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::snap_planes_to_axis_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -84,4 +84,4 @@ TEST(SnapPlanesToAxis, planes_that_were_not_meant_to_meet_in_a_line_stay) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::snap_planes_to_axis_test

@@ -6,7 +6,7 @@
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::enforce_clearance_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -98,4 +98,4 @@ TEST(EnforceClearance, what_structures_share_stays_shared) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::enforce_clearance_test

@@ -10,7 +10,7 @@
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::flatten_folds_test {
 namespace {
 
 using crossing_fixtures::Ring;
@@ -203,4 +203,4 @@ TEST(FlattenFolds, a_slice_that_would_not_be_sound_keeps_its_contours) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::flatten_folds_test

@@ -10,7 +10,7 @@
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::regularize_along_axis_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -163,4 +163,4 @@ TEST(RegularizeAlongAxis, no_vertex_moves_further_than_it_may) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::regularize_along_axis_test

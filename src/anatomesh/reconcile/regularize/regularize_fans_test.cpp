@@ -13,7 +13,7 @@
 #include "anatomesh/reconcile/reconcile.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::regularize_fans_test {
 namespace {
 
 using crossing_fixtures::Ring;
@@ -398,4 +398,4 @@ TEST(RegularizeFans, C25_reconciling_settles_them_and_says_so) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::regularize_fans_test

@@ -10,7 +10,7 @@
 #include "anatomesh/reconcile/reconcile.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::line_votes_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -256,4 +256,4 @@ TEST(SharedPoints, are_those_of_most_slices_where_few_end_elsewhere) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::line_votes_test

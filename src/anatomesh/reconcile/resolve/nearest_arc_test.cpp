@@ -8,7 +8,7 @@
 
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::nearest_arc_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -121,4 +121,4 @@ TEST(NearestArc, is_not_there_where_nothing_lies_beside_the_interval) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::nearest_arc_test

@@ -11,7 +11,7 @@
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 #include "anatomesh/reconcile/resolve/edit_region.h"
 
-namespace anatomesh {
+namespace anatomesh::resolve_conflicting_intervals_test {
 namespace {
 
 using namespace crossing_fixtures;
@@ -310,4 +310,4 @@ TEST(Repaint, structures_that_exclude_each_other_share_the_new_wall) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::resolve_conflicting_intervals_test

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-namespace anatomesh {
+namespace anatomesh::plane_patches_test {
 namespace {
 
 class Drawn {
@@ -120,4 +120,4 @@ TEST(FramesOfSlices, that_draw_nothing_are_empty) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::plane_patches_test

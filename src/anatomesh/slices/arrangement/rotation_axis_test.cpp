@@ -8,7 +8,7 @@
 
 #include "anatomesh/field/rotational_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::rotation_axis_test {
 namespace {
 
 using namespace fixtures;
@@ -72,4 +72,4 @@ TEST(RotationAxis, of_planes_here_and_there_is_nearest_to_them) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::rotation_axis_test

@@ -8,7 +8,7 @@
 
 #include "anatomesh/field/rotational_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::rotational_sweep_test {
 namespace {
 
 using namespace fixtures;
@@ -291,4 +291,4 @@ TEST(RotationalSweep, planes_that_run_beside_the_axis_are_one_from_where_they_ar
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::rotational_sweep_test

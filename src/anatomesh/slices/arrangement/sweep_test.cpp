@@ -15,7 +15,7 @@
 #include "anatomesh/field/model/volume.h"
 #include "anatomesh/field/voxel_topology_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::sweep_test {
 namespace {
 
 using namespace fixtures;
@@ -336,4 +336,4 @@ TEST(SweptField, box_holds_every_point_inside) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::sweep_test

@@ -10,7 +10,7 @@
 #include "anatomesh/slices/arrangement/sweep.h"
 #include "anatomesh/slices/coverage/covering_slices.h"
 
-namespace anatomesh {
+namespace anatomesh::slice_coverage_test {
 namespace {
 
 using namespace fixtures;
@@ -141,4 +141,4 @@ TEST(CoveringSlices, an_organ_is_whole_where_a_slice_of_its_own_is_left_out) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::slice_coverage_test

@@ -8,7 +8,7 @@
 
 #include "anatomesh/reconcile/reconcile.h"
 
-namespace anatomesh {
+namespace anatomesh::undrawn_structures_test {
 namespace {
 
 const Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -127,4 +127,4 @@ TEST(UndrawnStructures, reconciling_leaves_them_alone_and_warns) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::undrawn_structures_test

@@ -9,7 +9,7 @@
 
 #include "anatomesh/slices/arrangement/sweep.h"
 
-namespace anatomesh {
+namespace anatomesh::unknown_coverage_test {
 namespace {
 
 // A stack of discs of one structure 2 mm apart, and one of another structure whose planes lie `offset` mm
@@ -90,4 +90,4 @@ TEST(UnknownCoverage, a_slice_that_is_left_out_of_many_says_outside) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::unknown_coverage_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace anatomesh {
+namespace anatomesh::match_intervals_test {
 namespace {
 
 std::vector<double> random_ends(std::mt19937& random, std::size_t most_intervals) {
@@ -78,4 +78,4 @@ TEST(MatchEnds, C25_the_nearer_reading_wins) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::match_intervals_test
