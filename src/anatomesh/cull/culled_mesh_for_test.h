@@ -76,7 +76,7 @@ inline CulledMesh culled_mesh(const StructureField& field, std::uint32_t structu
     RunContext context;
     SampleOptions options;
     options.size_mm = size;
-    auto sample = sample_points(no_contours, field, options, context);
+    auto sample = sample_points(no_contours, {}, field, options, context);
     EXPECT_TRUE(sample.ok());
     auto delaunay = Tetrahedralization::create(sample.value().points);
     EXPECT_TRUE(delaunay.ok());

@@ -6,6 +6,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -15,6 +16,13 @@ namespace anatomesh {
 // the boundary's motion (slice_motion.h); a sweep (sweep.h): the same in straight coordinates; slices about
 // an axis: rotational_field.h; a few planes across stacks and sweeps: crossed_field.h; structures that lie in
 // others and take their place: nested_field.h. Planes in any position: see docs/stages/05b-field-of-other-arrangements.md.
+// `slices`: of the set, with the gap that the options join.
+Result<std::shared_ptr<const StructureField>> make_structure_field(const ContourSet& set,
+                                                                   const SliceFacts& slices,
+                                                                   const FieldOptions& options,
+                                                                   RunContext& context);
+
+// The same of a set whose slices nobody has looked at yet.
 Result<std::shared_ptr<const StructureField>> make_structure_field(const ContourSet& set,
                                                                    const FieldOptions& options,
                                                                    RunContext& context);

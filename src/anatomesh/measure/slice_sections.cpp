@@ -10,7 +10,6 @@
 #include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/slices/coverage/slice_coverage.h"
-#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 namespace anatomesh {
 
@@ -159,12 +158,12 @@ std::vector<SliceSection> slice_sections(std::span<const Vec3> points,
     const double tolerance = on_plane_mm(contours);
     const bool parallel = all_parallel(contours, same_plane_mm);
     RunContext context;
-    const UnknownCoverage unknown = UnknownCoverage::of(contours, context);
+    // The certificate takes nothing from earlier stages.
+    const SliceCoverage coverage = coverage_of(contours, arrangement_of(contours), context);
     const std::vector<Box2> frames = parallel ? std::vector<Box2>() : frames_of_slices(contours);
     std::vector<std::uint8_t> drawn_here(points.size(), 0);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         TrianglesAtPlanes surface(points, surfaces[s]);
-        const std::vector<bool> covers = slice_coverage(contours, s);
         for (std::uint32_t k = 0; k < contours.slices.size(); ++k) {
             const Slice& slice = contours.slices[k];
             const double off_plane = farthest_off_plane(contours, slice) + tolerance;
@@ -194,7 +193,7 @@ std::vector<SliceSection> slice_sections(std::span<const Vec3> points,
                 for (std::size_t n = 0; n < ring.size(); ++n)
                     boundary.add(ring[n], ring[(n + 1) % ring.size()]);
             }
-            if (drawn || (covers[k] && (parallel || slice.contour_count > 0) && !unknown.contains(k, s))) {
+            if (drawn || ((parallel || slice.contour_count > 0) && coverage.is_certain(k, s))) {
                 // Twice what counts as on the plane, for rounding.
                 surface.for_each_near(slice.plane, 2 * off_plane,
                                       [&](const Triangle& t) { boundary.add(t); });

@@ -20,7 +20,7 @@ struct SliceSection {
 // For every structure and every slice, in the order of structures and then of slices. A slice on which a
 // structure is not drawn says that it is not there; left out are slices without any contour where planes are
 // not parallel, and those of which the field takes it that they say nothing of the structure
-// (unknown_coverage.h, slice_coverage.h). `surfaces[s]` is the surface of the contour set's
+// (slice_coverage.h). `surfaces[s]` is the surface of the contour set's
 // structure s as outward triangles of `points`, closed; `vertex_of` the mesh vertex of every contour point,
 // or no_cell (contour_fidelity()). The cross-section is of the solid with its boundary: a facet in the plane belongs to
 // it. Where planes are not parallel, what lies beyond the box of a slice's contours is not compared: a plane

@@ -67,8 +67,11 @@ std::vector<double> slice_volumes(const ContourSet& set) {
     std::map<std::vector<bool>, std::vector<double>> thickness_of;
     std::vector<const std::vector<double>*> thickness;
     const std::vector<bool> all(set.slices.size(), true);
+    RunContext context;
+    const SliceCoverage coverage = coverage_of(set, arrangement_of(set), context);
     for (std::uint32_t i = 0; i < set.structures.size(); ++i) {
-        std::vector<bool> counts = slice_coverage(set, i);
+        std::vector<bool> counts(set.slices.size());
+        for (std::uint32_t k = 0; k < counts.size(); ++k) counts[k] = coverage.is_certain(k, i);
         if (std::count(counts.begin(), counts.end(), true) < 2) counts = all;
         const auto [found, is_new] = thickness_of.try_emplace(std::move(counts));
         if (is_new) found->second = slice_thickness(set, found->first);

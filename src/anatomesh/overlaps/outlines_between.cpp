@@ -45,7 +45,7 @@ ContourSet not_exclusive(ContourSet set) {
 
 // Finds the slices between the structure's own that say nothing of it.
 std::vector<std::uint32_t> find_unknown_slices(const ContourSet& set, std::uint32_t structure,
-                                               const std::vector<bool>& covers) {
+                                               const SliceCoverage& coverage) {
     std::vector<std::uint32_t> drawn, unknown_slices;
     for (const Contour& contour : set.contours) {
         if (contour.structure == structure) drawn.push_back(contour.slice);
@@ -53,16 +53,20 @@ std::vector<std::uint32_t> find_unknown_slices(const ContourSet& set, std::uint3
     if (drawn.empty()) return unknown_slices;
     const auto [first, last] = std::minmax_element(drawn.begin(), drawn.end());
     for (std::uint32_t k = *first; k < *last; ++k) {
-        if (!covers[k]) unknown_slices.push_back(k);
+        if (coverage.is_unknown(k, structure)) unknown_slices.push_back(k);
     }
     return unknown_slices;
 }
 
 bool has_unknown_slices(const ContourSet& set) {
-    if (!set.drawn || !set.exclusive || !is_parallel(set)) return false;
+    if (!set.drawn || !set.exclusive) return false;
     const ContourSet plain = not_exclusive(set);
+    const SliceArrangement arrangement = arrangement_of(plain);
+    if (!arrangement.is_parallel()) return false;
+    RunContext context;
+    const SliceCoverage coverage = coverage_of(plain, arrangement, context);
     for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
-        if (!find_unknown_slices(plain, s, slice_coverage(plain, s)).empty()) return true;
+        if (!find_unknown_slices(plain, s, coverage).empty()) return true;
     }
     return false;
 }
@@ -71,7 +75,12 @@ bool has_unknown_slices(const ContourSet& set) {
 // order. There it would cut what is drawn.
 bool cuts_what_is_drawn(const OverlappingContours& all, std::size_t level) {
     const ContourSet plain = not_exclusive(all.levels[level]);
-    if (!plain.drawn || !is_parallel(plain)) return false;
+    if (!plain.drawn) return false;
+    // A level is another set than the whole: some of its slices.
+    const SliceArrangement arrangement = arrangement_of(plain);
+    if (!arrangement.is_parallel()) return false;
+    RunContext context;
+    const SliceCoverage coverage = coverage_of(plain, arrangement, context);
     const auto rank = [&](std::int32_t number) {
         return std::find(all.order.begin(), all.order.end(), number) - all.order.begin();
     };
@@ -86,7 +95,7 @@ bool cuts_what_is_drawn(const OverlappingContours& all, std::size_t level) {
     }
     for (std::uint32_t s = 0; s < plain.structures.size(); ++s) {
         const auto own = rank(plain.structures[s].number);
-        for (const std::uint32_t k : find_unknown_slices(plain, s, slice_coverage(plain, s))) {
+        for (const std::uint32_t k : find_unknown_slices(plain, s, coverage)) {
             const std::vector<std::int32_t>& others = drawn[all.slices[level][k]];
             if (std::any_of(others.begin(), others.end(),
                             [&](std::int32_t other) { return own < rank(other); }))
@@ -297,11 +306,14 @@ void warn_of_outlines(const ContourSet& set, RunContext& context) {
 }  // namespace
 
 Result<ContourSet> outlines_between(const ContourSet& set, const FieldOptions& options, RunContext& context) {
-    assert(!set.exclusive && is_parallel(set));
+    assert(!set.exclusive);
+    const SliceArrangement arrangement = arrangement_of(set);
+    assert(arrangement.is_parallel());
+    const SliceCoverage coverage = coverage_of(set, arrangement, context);
     ContourSet all = set;
     std::vector<ContourSet> outlines(set.structures.size());
     for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
-        const std::vector<std::uint32_t> unknown_slices = find_unknown_slices(set, s, slice_coverage(set, s));
+        const std::vector<std::uint32_t> unknown_slices = find_unknown_slices(set, s, coverage);
         if (unknown_slices.empty()) continue;
         ANATOMESH_TRY(outlines[s], Outlines(set, options, context).of(s, unknown_slices));
         for (const std::uint32_t k : unknown_slices) {
@@ -317,7 +329,7 @@ Result<PriorityResult> part_structures(const ContourSet& set, const std::vector<
                                        const FieldOptions& options, RunContext& context) {
     const std::size_t warnings = context.warnings.size();
     ANATOMESH_TRY(PriorityResult result, give_overlaps(set, order, context));
-    if (!is_parallel(set) || !lacks_outlines(result.kept)) return result;
+    if (!arrangement_of(set).is_parallel() || !lacks_outlines(result.kept)) return result;
     ANATOMESH_TRY(const ContourSet whole, outlines_between(not_exclusive(set), options, context));
     if (!has_interpolated(whole)) return result;
     context.warnings.resize(warnings);

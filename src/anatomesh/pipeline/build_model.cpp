@@ -13,12 +13,11 @@
 #include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/pipeline/build_once.h"
+#include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh/pipeline/retry/retry_for_mean_ratio.h"
 #include "anatomesh/pipeline/retry/retry_policy.h"
 #include "anatomesh/pipeline/retry/thin_walls.h"
-#include "anatomesh/slices/arrangement/parallel_slices.h"
-#include "anatomesh/slices/arrangement/sweep.h"
 
 namespace anatomesh {
 
@@ -60,11 +59,13 @@ bool is_in_vain(const KeptModel& kept, const BuiltOnce& other, const RetryPolicy
 // Tries until a model is as good as it can be.
 class RetryDriver {
   public:
-    RetryDriver(const ContourSet& contours, const ModelOptions& options, RunContext& context,
-                const StageObserver& observer)
+    // `slices`: of the contours relative to the low corner of their box, as the stages see them.
+    RetryDriver(const ContourSet& contours, std::shared_ptr<const SliceFacts> slices,
+                const ModelOptions& options, RunContext& context, const StageObserver& observer)
         : contours_(contours), context_(context), observer_(observer) {
         config_.options = options;
         config_.size_given = options.size_mm > 0;
+        known_.slices = std::move(slices);
     }
 
     Result<Model> run() {
@@ -96,7 +97,8 @@ class RetryDriver {
                 if (kept_ && is_in_vain(*kept_, built, policy)) return before_it();
                 taken_ = {built.score, built.size_mm};
                 // Where planes cross, contours force cells more than those between them do.
-                if (!built.model.ok() || !is_parallel(contours_)) return std::move(built.model);
+                if (!built.model.ok() || !known_.slices->arrangement.is_parallel())
+                    return std::move(built.model);
                 return retried(std::move(built));
             }
             const Warning again = prepare(next, policy.slightly_finer(), std::move(built));
@@ -330,8 +332,11 @@ class RetryDriver {
 
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
                           const StageObserver& observer) {
-    if (options.caps == EndCaps::flat && !contours.contours.empty() && !is_parallel(contours) &&
-        !Sweep::of(contours)) {
+    // Once for all runs, of the set that they work on.
+    const Vec3 origin = contours.points.empty() ? Vec3{} : contours.box().low;
+    auto slices = std::make_shared<const SliceFacts>(
+        slice_facts_of(relative_to(origin, contours), options.max_gap_spacings, context));
+    if (options.caps == EndCaps::flat && !contours.contours.empty() && !slices->arrangement.is_stack()) {
         return Error{
             ErrorKind::usage,
             "E-PIP-004",
@@ -339,7 +344,7 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
             {contours.source, "", "", "", ""},
             "give --caps half or rounded"};
     }
-    return RetryDriver(contours, options, context, observer).run();
+    return RetryDriver(contours, std::move(slices), options, context, observer).run();
 }
 
 }  // namespace anatomesh

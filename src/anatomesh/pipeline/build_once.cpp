@@ -45,7 +45,6 @@
 #include "anatomesh/refine/refinement_rounds.h"
 #include "anatomesh/refine/segment_vertices.h"
 #include "anatomesh/sample/sample_points.h"
-#include "anatomesh/slices/arrangement/parallel_slices.h"
 
 namespace anatomesh {
 
@@ -113,10 +112,11 @@ class Builder {
           context_(context),
           observer_(observer),
           structures_(static_cast<std::uint32_t>(contours.structures.size())),
+          facts_(std::move(known.slices)),
           known_field_(std::move(known.field)),
           volumes_(std::move(known.volumes)) {}
 
-    FieldAndVolumes field_and_volumes() const { return {known_field_, volumes_, warnings_of_field_}; }
+    FieldAndVolumes field_and_volumes() const { return {facts_, known_field_, volumes_, warnings_of_field_}; }
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
 
@@ -183,15 +183,15 @@ class Builder {
         options.max_gap_spacings = options_.max_gap_spacings;
         options.single_slice_mm = options_.single_slice_mm;
         if (!known_field_) {
-            ANATOMESH_TRY(known_field_, make_structure_field(contours_, options, context_));
+            ANATOMESH_TRY(known_field_, make_structure_field(contours_, *facts_, options, context_));
         }
         field_ = known_field_;
         if (context_.threads == 1) field_ = counted_field_ = std::make_shared<CountedField>(known_field_);
         warnings_of_field_ = context_.warnings.size();
         report().slice_spacing_mm = field_->slice_spacing();
-        planes_ = how_planes_lie(contours_, *field_, options_.spare_dense_above);
+        planes_ = how_planes_lie(contours_, arrangement(), *field_, options_.spare_dense_above);
         spared_ = planes_.crammed && runs_before_ == 0 && !size_given_;
-        slices_ = weigh_slices(contours_, field_->flat_ends());
+        slices_ = weigh_slices(contours_, *facts_, field_->flat_ends());
         if (planes_.meet_cuts) contradicted_ = contradicted_places(contours_, slices_.weights, context_);
         conforming_ = may_conform_ && planes_.may_conform;
         return end_stage("field", 0.05);
@@ -201,9 +201,8 @@ class Builder {
         SampleOptions options;
         options.size_mm = options_.size_mm;
         options.conforming = conforming_;
-        options.apart = planes_.apart;
         if (spared_) options.growth = dense_growth;
-        ANATOMESH_TRY(sample_, sample_points(contours_, *field_, options, context_));
+        ANATOMESH_TRY(sample_, sample_points(contours_, arrangement(), *field_, options, context_));
         const SampleStats& stats = sample_->stats;
         figures_ = {{"contour_points", static_cast<double>(stats.contour_points)},
                     {"segment_points", static_cast<double>(stats.segment_points)},
@@ -247,7 +246,7 @@ class Builder {
         ContourSubsegmentOptions options{
             sample_->stats.size_mm, spared_,          planes_.dense && !planes_.crammed, conforming_,
             sample_->graded,        runs_before_ == 0};
-        if (is_parallel(contours_) && contours_.exclusive) options.last_few = last_few_of_labels;
+        if (arrangement().is_parallel() && contours_.exclusive) options.last_few = last_few_of_labels;
         subsegments_.emplace(*mesh_, sample_->protected_segments, *field_, std::move(subsegments), options);
         given_.assign(mesh_->points().size(), 0);
         for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
@@ -293,10 +292,10 @@ class Builder {
     // Contours of planes that cross come so near to each other that a share of the size is far there.
     SurfaceTolerance tolerance_at_vertices() const {
         return {interface_tolerance * sample_->stats.size_mm,
-                is_parallel(contours_) ? 0 : crossing_tolerance};
+                arrangement().is_parallel() ? 0 : crossing_tolerance};
     }
 
-    double near_mm() const { return is_parallel(contours_) ? 0 : near_share * sample_->stats.size_mm; }
+    double near_mm() const { return arrangement().is_parallel() ? 0 : near_share * sample_->stats.size_mm; }
 
     ContourOwners contour_owners(const std::vector<Subsegment>& all, std::size_t point_count) const {
         std::vector<std::array<std::uint32_t, 3>> subsegments;
@@ -319,7 +318,7 @@ class Builder {
                        {[&] { stars.emplace(mesh_->cells().cells, vertex_count, context_.threads); },
                         [&] { owners = contour_owners(subsegments_->subsegments(), vertex_count); },
                         [&] {
-                            planes = planes_of_stack(contours_, vertices_of_contours(),
+                            planes = planes_of_stack(contours_, arrangement(), vertices_of_contours(),
                                                      subsegments_->subsegments(), vertex_count);
                         }});
         slices.slice_of = planes.slice_of;
@@ -395,7 +394,7 @@ class Builder {
         // Of outlines beside each other on parallel planes, each with its own, what is between several is a
         // wedge, whose cells would be no better.
         const bool gave_overlaps = contours_.exclusive && contours_.drawn;
-        const bool may_be_between = gave_overlaps || contours_.overlapping || !is_parallel(contours_);
+        const bool may_be_between = gave_overlaps || contours_.overlapping || !arrangement().is_parallel();
         const RegionTable* table = may_be_between ? &mesh_->registry().table() : nullptr;
         return remove_spurious_components(model_.mesh, neighbors_, given,
                                           {spurious_share * std::pow(sample_->stats.size_mm, 3)},
@@ -413,7 +412,8 @@ class Builder {
         const bool may_cost_shape = sample_->has_pole || runs_before_ == 0;
         RecoveredSubsegments recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
-            {contours_, vertices_of_contours(), owner_pairs_, subsegment_list_, std::move(held)},
+            {contours_, arrangement(), vertices_of_contours(), owner_pairs_, subsegment_list_,
+             std::move(held)},
             {sample_->stats.size_mm, tolerance_at_vertices(), options_.max_radius_edge, bounds.most_more_bad,
              least_shape, may_cost_shape ? few_subsegments : 0, near_mm(), !sample_->has_pole});
         recovered.run(nonmanifold, relabelled, context_);
@@ -538,7 +538,7 @@ class Builder {
     // all planes are wrong by a little at each cell of the pole, and mending them took three times as long as
     // all the rest (but the worst at last, see improve_angles()).
     SliceWeights slices_to_keep(bool about_axis) const {
-        if ((spared_ || (sample_->has_pole && !about_axis)) && !is_parallel(contours_)) return {};
+        if ((spared_ || (sample_->has_pole && !about_axis)) && !arrangement().is_parallel()) return {};
         return slices_;
     }
 
@@ -567,7 +567,7 @@ class Builder {
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
         options.spike_mm = spike_height * sample_->stats.size_mm;
-        options.relabels_for_ratio = is_parallel(contours_);  // elsewhere pits come of it
+        options.relabels_for_ratio = arrangement().is_parallel();  // elsewhere pits come of it
         if (spared_) {
             options.target_degrees = dense_target_degrees;
             options.passes = 1;
@@ -592,14 +592,14 @@ class Builder {
         std::vector<std::uint8_t> constraint_limited;
         if (!spared_ || !beside.empty()) constraint_limited = constraint_limited_vertices_of(subsegments);
         // About an axis those that are wrong by more than they may be, at last.
-        const bool worst_alone = sample_->has_pole && !spared_ && !is_parallel(contours_);
+        const bool worst_alone = sample_->has_pole && !spared_ && !arrangement().is_parallel();
         const SliceWeights slices = worst_alone ? slices_ : slices_to_keep(false);
         const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
         const RoutableContours routable{contours_.contours, contour_vertices, planes, contours_.exclusive,
                                         most_reroute_mm(most_routed)};
-        if (!is_parallel(contours_)) options.handle_mm = spurious_handle_reach * sample_->stats.size_mm;
+        if (!arrangement().is_parallel()) options.handle_mm = spurious_handle_reach * sample_->stats.size_mm;
         const std::vector<VertexPair> fixed_edges =
             edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours()));
         return improve_mesh(
@@ -663,7 +663,7 @@ class Builder {
 
     // `most`: where planes cross, in sizes.
     double most_reroute_mm(double most) const {
-        if (is_parallel(contours_)) most = most_routed_parallel;
+        if (arrangement().is_parallel()) most = most_routed_parallel;
         return std::min(options_.max_reroute_mm, most * sample_->stats.size_mm);
     }
 
@@ -715,6 +715,7 @@ class Builder {
     }
 
     ModelReport& report() { return model_.report; }
+    const SliceArrangement& arrangement() const { return facts_->arrangement; }
 
     void end_stage_timing(const std::string& name) {
         const auto now = Clock::now();
@@ -766,6 +767,7 @@ class Builder {
     const StageObserver& observer_;
     std::uint32_t structures_;
 
+    const std::shared_ptr<const SliceFacts> facts_;              // of the contours
     std::shared_ptr<const StructureField> known_field_, field_;  // the one, and as the stages ask it
     std::shared_ptr<const CountedField> counted_field_;          // the latter, on one thread
     std::vector<StructureVolume> volumes_;                       // of the field, by structure

@@ -12,6 +12,7 @@
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/retry/retry_policy.h"
 #include "anatomesh/refine/refinement_rounds.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -27,6 +28,7 @@ struct RunConfig {
 
 // What does not depend on the size.
 struct FieldAndVolumes {
+    std::shared_ptr<const SliceFacts> slices;  // of the contours as the stages see them, relative_to()
     std::shared_ptr<const StructureField> field;
     std::vector<StructureVolume> volumes;  // of the field, by structure
     std::size_t warnings = 0;              // of the context, when the field was made
@@ -40,7 +42,7 @@ struct BuiltOnce {
     WorkReport work;
 };
 
-// `known`: of a run before, or empty. Requires and errors: as build_model(). The same result every time.
+// `known`: of a run before, or the slices alone. Requires and errors: as build_model(). The same result every time.
 BuiltOnce build_once(const ContourSet& contours, const RunConfig& config, RunContext& context,
                      const StageObserver& observer, FieldAndVolumes known);
 

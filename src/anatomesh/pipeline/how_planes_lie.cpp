@@ -1,10 +1,6 @@
 #include "anatomesh/pipeline/how_planes_lie.h"
 
 #include "anatomesh/sample/sample_points.h"
-#include "anatomesh/slices/arrangement/parallel_slices.h"
-#include "anatomesh/slices/arrangement/rotational_sweep.h"
-#include "anatomesh/slices/arrangement/stack_and_crossing.h"
-#include "anatomesh/slices/arrangement/sweep.h"
 
 namespace anatomesh {
 
@@ -18,23 +14,23 @@ constexpr std::size_t few_points = 5000;
 
 }  // namespace
 
-HowPlanesLie how_planes_lie(const ContourSet& contours, const StructureField& field,
-                            std::uint64_t spare_dense_above) {
+HowPlanesLie how_planes_lie(const ContourSet& contours, const SliceArrangement& arrangement,
+                            const StructureField& field, std::uint64_t spare_dense_above) {
     HowPlanesLie planes;
-    planes.density = plane_density(contours, field);
-    planes.apart = is_parallel(contours) || Sweep::of(contours);
+    planes.density = plane_density(contours, arrangement, field);
+    planes.apart = arrangement.is_stack();
     planes.dense = planes.density > 1;
     // Of sweeps of one extent: the time that all takes goes with it (docs/benchmarks.md).
     const double work = static_cast<double>(contours.points.size()) * planes.density * planes.density;
     planes.crammed =
         planes.density > most_dense || (planes.dense && work > static_cast<double>(spare_dense_above));
     const bool are_many =
-        planes.dense && contours.points.size() > few_points && RotationalSweep::of(contours).has_value();
+        planes.dense && contours.points.size() > few_points && arrangement.rotation.has_value();
     planes.bear_all = !planes.crammed && !are_many;
     planes.may_conform = planes.bear_all && !planes.apart;
     // A few planes across a stack come near to others only where they cross them: vertices for cuts there
     // cost shapes of cells (seven above ratio 4 in a ball) and, where they contradict it, handles.
-    planes.meet_cuts = planes.may_conform && !stack_and_crossing(contours);
+    planes.meet_cuts = planes.may_conform && !arrangement.parts;
     return planes;
 }
 

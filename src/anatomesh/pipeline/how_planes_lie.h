@@ -6,6 +6,7 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 
 namespace anatomesh {
 
@@ -20,8 +21,8 @@ struct HowPlanesLie {
 };
 
 // `spare_dense_above`: points of contours, times the square of the density; of dense planes with more all
-// that can be done is too much. Requires: a kept contour set, and its field. O(points)
-HowPlanesLie how_planes_lie(const ContourSet& contours, const StructureField& field,
-                            std::uint64_t spare_dense_above);
+// that can be done is too much. Requires: a kept contour set, its arrangement and its field. O(points)
+HowPlanesLie how_planes_lie(const ContourSet& contours, const SliceArrangement& arrangement,
+                            const StructureField& field, std::uint64_t spare_dense_above);
 
 }  // namespace anatomesh

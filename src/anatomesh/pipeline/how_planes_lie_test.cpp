@@ -37,7 +37,7 @@ HowPlanesLie of_ball(const std::vector<Vec3>& normals, int corners, std::uint64_
     RunContext context;
     const auto field = make_structure_field(set, {}, context);
     EXPECT_TRUE(field.ok());
-    return how_planes_lie(set, *field.value(), spare_dense_above);
+    return how_planes_lie(set, arrangement_of(set), *field.value(), spare_dense_above);
 }
 
 std::vector<Vec3> about_an_axis(int planes) {

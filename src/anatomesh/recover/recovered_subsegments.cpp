@@ -242,8 +242,8 @@ void RecoveredSubsegments::relabel_at(std::vector<std::uint32_t>& look,
     for (const Subsegment& subsegment : drawn_.subsegments)
         subsegments.push_back({subsegment.a, subsegment.b, subsegment.structure});
     const VertexStars stars(mesh_.cells, mesh_.points.size(), context.threads);
-    const PlanesOfStack planes =
-        planes_of_stack(drawn_.contours, drawn_.vertex_of, drawn_.subsegments, mesh_.points.size());
+    const PlanesOfStack planes = planes_of_stack(drawn_.contours, drawn_.arrangement, drawn_.vertex_of,
+                                                 drawn_.subsegments, mesh_.points.size());
     const ContourOwners owners(drawn_.owners, mesh_.points.size(), subsegments);
     relabelled.add(
         relabel({mesh_.points, mesh_.cells, neighbors, stars, owners, memberships_, mesh_.regions, registry_},

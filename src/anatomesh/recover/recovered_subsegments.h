@@ -15,12 +15,14 @@
 #include "anatomesh/recover/recover_segments.h"
 #include "anatomesh/refine/labelled_mesh.h"
 #include "anatomesh/sample/contour_segments.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 
 namespace anatomesh {
 
 // What is drawn, and where it is in the mesh.
 struct DrawnInMesh {
     const ContourSet& contours;
+    const SliceArrangement& arrangement;                      // of their slices
     std::vector<std::uint32_t> vertex_of;                     // by point of the contours
     const std::vector<std::array<std::uint32_t, 2>>& owners;  // as ContourOwners wants them
     std::vector<Subsegment> subsegments;

@@ -7,10 +7,7 @@
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/improve/core/drawn_slices.h"
 #include "anatomesh/measure/slice_sections.h"
-#include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/slices/coverage/slice_coverage.h"
-#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 namespace anatomesh {
 
@@ -65,9 +62,10 @@ std::vector<std::array<std::uint32_t, 2>> segment_ends(const ContourSet& contour
     return ends;
 }
 
-PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
+PlanesOfStack planes_of_stack(const ContourSet& contours, const SliceArrangement& arrangement,
+                              std::span<const std::uint32_t> vertex_of,
                               const std::vector<Subsegment>& subsegments, std::size_t vertex_count) {
-    if (!is_parallel(contours)) return {};
+    if (!arrangement.is_parallel()) return {};
     PlanesOfStack stack{slices_of_vertices(contours, vertex_of, subsegments, vertex_count), {}};
     for (const Slice& slice : contours.slices) stack.planes.push_back(slice.plane);
     return stack;
@@ -123,14 +121,13 @@ bool ends_flat(const ContourSet& contours, std::uint32_t slice, const std::vecto
 
 }  // namespace
 
-SliceWeights weigh_slices(const ContourSet& contours, const std::vector<Plane>& ends) {
+SliceWeights weigh_slices(const ContourSet& contours, const SliceFacts& facts,
+                          const std::vector<Plane>& ends) {
     SliceWeights slices;
-    const bool parallel = is_parallel(contours);
+    const bool parallel = facts.arrangement.is_parallel();
     place_planes(contours, parallel, slices);
     const std::vector<double> areas = drawn_areas(contours);
     const std::size_t count = slices.planes.size(), structures = contours.structures.size();
-    RunContext context;
-    const UnknownCoverage unknown = UnknownCoverage::of(contours, context);
     slices.weights.assign(structures * count, 0);
     for (std::uint32_t s = 0; s < structures; ++s) {
         const auto first = areas.begin() + static_cast<std::ptrdiff_t>(s * count);
@@ -139,12 +136,11 @@ SliceWeights weigh_slices(const ContourSet& contours, const std::vector<Plane>& 
         if (drawn == 0) continue;
         const double mean = std::accumulate(first, first + static_cast<std::ptrdiff_t>(count), 0.0) /
                             static_cast<double>(drawn);
-        const std::vector<bool> covers = slice_coverage(contours, s);
         for (std::uint32_t k = 0; k < count; ++k) {
-            const bool tells =
-                covers[k] && (parallel || contours.slices[k].contour_count > 0) && !unknown.contains(k, s);
+            const bool is_certain =
+                (parallel || contours.slices[k].contour_count > 0) && facts.coverage.is_certain(k, s);
             const double area = areas[s * count + k];
-            slices.weights[s * count + k] = area > 0 ? 1 / area : tells ? 1 / mean : 0;
+            slices.weights[s * count + k] = area > 0 ? 1 / area : is_certain ? 1 / mean : 0;
         }
     }
     slices.sides.on_plane_mm = slices.on_plane_mm;

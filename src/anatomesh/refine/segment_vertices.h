@@ -10,6 +10,7 @@
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/geom/plane_sides.h"
 #include "anatomesh/sample/contour_segments.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -25,12 +26,13 @@ std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
 std::vector<std::array<std::uint32_t, 2>> segment_ends(const ContourSet& contours,
                                                        std::span<const std::uint32_t> vertex_of);
 
-// What relabel() is to know of slices that are parallel. Where planes cross both lists are empty.
+// What relabel() is to know of slices that are parallel; for all others both lists are empty.
 struct PlanesOfStack {
     std::vector<std::uint32_t> slice_of;  // slices_of_vertices()
     std::vector<Plane> planes;            // by slice
 };
-PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
+PlanesOfStack planes_of_stack(const ContourSet& contours, const SliceArrangement& arrangement,
+                              std::span<const std::uint32_t> vertex_of,
                               const std::vector<Subsegment>& subsegments, std::size_t vertex_count);
 
 // What slices say of structures, for the facets of surfaces that meet their planes.
@@ -43,7 +45,8 @@ struct SliceWeights {
     PlaneSides sides;             // of them; of a stack, those in which none ends flat
     double on_plane_mm = 0;       // vertices this near to a plane lie in it
 };
-// Complexity: O(points + structures x slices), and that of UnknownCoverage::of().
-SliceWeights weigh_slices(const ContourSet& contours, const std::vector<Plane>& ends);
+// `facts`: of the contours. `ends`: planes in which something ends flat. O(points + structures x slices)
+SliceWeights weigh_slices(const ContourSet& contours, const SliceFacts& facts,
+                          const std::vector<Plane>& ends);
 
 }  // namespace anatomesh

@@ -58,7 +58,8 @@ TEST(SliceWeights, planes_that_lean_a_little_keep_their_order_and_their_flat_end
             RunContext context;
             const auto field = make_structure_field(set, options, context);
             ASSERT_TRUE(field.ok());
-            const SliceWeights slices = weigh_slices(set, field.value()->flat_ends());
+            const SliceWeights slices =
+                weigh_slices(set, slice_facts_of(set, default_max_gap, context), field.value()->flat_ends());
             ASSERT_EQ(slices.planes.size(), count);
             const Vec3 axis = slices.planes.front().normal;
             for (std::size_t k = 0; k < count; ++k) {
@@ -83,7 +84,8 @@ TEST(SliceWeights, planes_that_cross_have_extents_and_no_stack) {
         discs.ring(0, circle({0.5, 0}, 5 + k, 24));
     }
     const ContourSet set = std::move(discs.set);
-    const SliceWeights slices = weigh_slices(set, {});
+    RunContext context;
+    const SliceWeights slices = weigh_slices(set, slice_facts_of(set, default_max_gap, context), {});
     ASSERT_EQ(slices.planes.size(), set.slices.size());
     ASSERT_EQ(slices.extents.size(), set.slices.size());
     EXPECT_TRUE(slices.sides.stack.heights.empty());

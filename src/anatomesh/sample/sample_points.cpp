@@ -14,7 +14,6 @@
 #include "anatomesh/sample/interface_probe.h"
 #include "anatomesh/sample/split_encroached_subsegments.h"
 #include "anatomesh/sample/thin_walls.h"
-#include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 
 namespace anatomesh {
@@ -544,16 +543,19 @@ std::vector<double> mean_thickness(const ContourSet& contours) {
     return area;
 }
 
-bool dense_planes(const ContourSet& contours, const StructureField& field) {
-    return plane_density(contours, field) > 1;
+bool dense_planes(const ContourSet& contours, const SliceArrangement& arrangement,
+                  const StructureField& field) {
+    return plane_density(contours, arrangement, field) > 1;
 }
 
-double plane_density(const ContourSet& contours, const StructureField& field) {
-    return is_parallel(contours) ? 0
-                                 : mean_vertex_spacing(contours) / (dense_spacing * field.slice_spacing());
+double plane_density(const ContourSet& contours, const SliceArrangement& arrangement,
+                     const StructureField& field) {
+    if (arrangement.is_parallel()) return 0;
+    return mean_vertex_spacing(contours) / (dense_spacing * field.slice_spacing());
 }
 
-double default_size(const ContourSet& contours, const StructureField& field) {
+double default_size(const ContourSet& contours, const SliceArrangement& arrangement,
+                    const StructureField& field) {
     std::vector<double> perimeter(contours.structures.size(), 0);
     for (const Contour& contour : contours.contours)
         perimeter[contour.structure] += contour_length(contours, contour);
@@ -565,7 +567,7 @@ double default_size(const ContourSet& contours, const StructureField& field) {
     }
     const double vertex_spacing = mean_vertex_spacing(contours);
     double spacing = field.slice_spacing();
-    if (dense_planes(contours, field)) {
+    if (dense_planes(contours, arrangement, field)) {
         const double denser = vertex_spacing / (dense_spacing * spacing);
         spacing *= std::min(denser * denser, dense_spacing * dense_spacing * denser);
     }
@@ -576,9 +578,10 @@ double default_size(const ContourSet& contours, const StructureField& field) {
     return std::min({size, mean, std::max(spacing, size_per_thickness * mean)});
 }
 
-Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field,
-                                  const SampleOptions& options, RunContext& context) {
-    const double size = options.size_mm > 0 ? options.size_mm : default_size(contours, field);
+Result<PointSample> sample_points(const ContourSet& contours, const SliceArrangement& arrangement,
+                                  const StructureField& field, const SampleOptions& options,
+                                  RunContext& context) {
+    const double size = options.size_mm > 0 ? options.size_mm : default_size(contours, arrangement, field);
     PointSample sample{{}, {}, {}, ProtectedSegments(size, 0), false, false, {}};
     sample.stats.size_mm = size;
 
@@ -600,9 +603,9 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     }
     collect_contour_vertices(contours, sample);
     std::vector<ThinSpot> thin;
-    sample.protected_segments = SegmentSplitter(size, is_parallel(contours), sample)
-                                    .split(contours, field, context.threads, thin, options.conforming,
-                                           options.apart || is_parallel(contours));
+    sample.protected_segments =
+        SegmentSplitter(size, arrangement.is_parallel(), sample)
+            .split(contours, field, context.threads, thin, options.conforming, arrangement.is_stack());
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 
     const std::uint32_t structures = static_cast<std::uint32_t>(contours.structures.size());

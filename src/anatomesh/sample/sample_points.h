@@ -9,6 +9,7 @@
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/sample/contour_segments.h"
 #include "anatomesh/sample/protected_segments.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 
 namespace anatomesh {
 
@@ -18,9 +19,6 @@ struct SampleOptions {
     // Contour segments are split as finely as others beside them ask (split_encroached_subsegments.h), where
     // planes cross; those of several structures first as others of their slice ask, but about an axis.
     bool conforming = false;
-    // Planes do not cross where something is drawn, though they are not parallel: segments are split as
-    // finely as others of their slice ask. Those of parallel ones are so anyway.
-    bool apart = false;
     std::uint64_t max_points = 400'000'000;  // refused above, before the work
 };
 
@@ -54,11 +52,13 @@ std::vector<double> mean_thickness(const ContourSet& contours);
 
 // Whether planes cross and lie so close to each other that vertices along the contours are more than 1.5 of their
 // spacings apart: the places between them are drawn more finely than the contours.
-bool dense_planes(const ContourSet& contours, const StructureField& field);
+bool dense_planes(const ContourSet& contours, const SliceArrangement& arrangement,
+                  const StructureField& field);
 
 // How dense: the mean spacing of the vertices along the contours in 1.5 plane spacings; 0 for parallel
 // planes.
-double plane_density(const ContourSet& contours, const StructureField& field);
+double plane_density(const ContourSet& contours, const SliceArrangement& arrangement,
+                     const StructureField& field);
 
 // The edge length that suits the data: the geometric mean of the slice spacing and the mean spacing of the
 // vertices along the contours, that is about the side of a square with the surface's area per contour vertex;
@@ -66,7 +66,8 @@ double plane_density(const ContourSet& contours, const StructureField& field);
 // larger by the square of what is missing, up to 1.3 vertex spacings), and not above the mean thickness of
 // what is drawn: a wall needs an edge length across it, and two where slices are as close: at most 0.49 of
 // the thickness, or a spacing.
-double default_size(const ContourSet& contours, const StructureField& field);
+double default_size(const ContourSet& contours, const SliceArrangement& arrangement,
+                    const StructureField& field);
 
 // Contour vertices are kept exactly. Long segments get intermediate points. A body-centred cubic lattice fills
 // the inside (coarser with depth) and one layer outside; its points near an interface are moved onto it. Where a wall or
@@ -79,7 +80,10 @@ double default_size(const ContourSet& contours, const StructureField& field);
 // Errors: limit E-SMP-001 the size would need more points than max_points. Complexity: linear in the lattice
 // points of the box. Same result at any thread count.
 // Lattice: Labelle and Shewchuk, SIGGRAPH 2007 (body-centred cubic). Protection: Shewchuk, Comput. Geom. 22, 2002.
-Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field,
-                                  const SampleOptions& options, RunContext& context);
+// `arrangement`: of the contours' slices; where none cross, segments are split as finely as others of their
+// slice ask.
+Result<PointSample> sample_points(const ContourSet& contours, const SliceArrangement& arrangement,
+                                  const StructureField& field, const SampleOptions& options,
+                                  RunContext& context);
 
 }  // namespace anatomesh

@@ -24,6 +24,7 @@ ContourSet ball_with_a_long_bar() {
 
 struct Case {
     ContourSet set;
+    SliceArrangement arrangement;
     std::shared_ptr<const StructureField> field;
 };
 
@@ -31,7 +32,8 @@ Case case_of(ContourSet set) {
     RunContext context;
     auto field = make_structure_field(set, {}, context);
     EXPECT_TRUE(field.ok());
-    return {std::move(set), field.value()};
+    SliceArrangement arrangement = arrangement_of(set);
+    return {std::move(set), std::move(arrangement), field.value()};
 }
 
 PointSample sample_of(const Case& given, double size, int threads = 1, double growth = 0.5) {
@@ -40,7 +42,7 @@ PointSample sample_of(const Case& given, double size, int threads = 1, double gr
     SampleOptions options;
     options.size_mm = size;
     options.growth = growth;
-    auto sample = sample_points(given.set, *given.field, options, context);
+    auto sample = sample_points(given.set, given.arrangement, *given.field, options, context);
     EXPECT_TRUE(sample.ok());
     return std::move(sample).value();
 }
@@ -185,12 +187,12 @@ TEST(SamplePoints, the_default_size_is_about_the_side_of_a_square_a_contour_vert
         return case_of(kept(drawing.raw));
     };
     const Case given = with_corners(4);
-    EXPECT_NEAR(default_size(given.set, *given.field), 1.05 * std::sqrt(8), 1e-12);
-    EXPECT_EQ(sample_of(given, 0).stats.size_mm, default_size(given.set, *given.field));
+    EXPECT_NEAR(default_size(given.set, given.arrangement, *given.field), 1.05 * std::sqrt(8), 1e-12);
+    EXPECT_EQ(sample_of(given, 0).stats.size_mm, default_size(given.set, given.arrangement, *given.field));
     // Bounded by the slice spacing.
     const Case sparse = with_corners(20), dense = with_corners(0.1);
-    EXPECT_NEAR(default_size(sparse.set, *sparse.field), 4, 1e-12);
-    EXPECT_NEAR(default_size(dense.set, *dense.field), 1, 1e-12);
+    EXPECT_NEAR(default_size(sparse.set, sparse.arrangement, *sparse.field), 4, 1e-12);
+    EXPECT_NEAR(default_size(dense.set, dense.arrangement, *dense.field), 1, 1e-12);
 }
 
 // Plates of several thicknesses, slices 2 mm apart, corners far apart.
@@ -200,8 +202,8 @@ TEST(SamplePoints, the_default_size_goes_twice_into_the_mean_thickness_or_is_a_s
         for (int z = 0; z < 4; ++z) drawing.add(0, 2 * z, rectangle({0, 0}, {1000, thickness}));
         const Case given = case_of(kept(drawing.raw));
         const double mean = mean_thickness(given.set)[0];
-        EXPECT_NEAR(default_size(given.set, *given.field), std::min({4.0, mean, std::max(2.0, 0.49 * mean)}),
-                    1e-12)
+        EXPECT_NEAR(default_size(given.set, given.arrangement, *given.field),
+                    std::min({4.0, mean, std::max(2.0, 0.49 * mean)}), 1e-12)
             << thickness;
     }
 }
@@ -226,7 +228,7 @@ TEST(SamplePoints, planes_that_cross_close_to_each_other_do_not_make_the_size_sm
     double size = 0;
     for (const int count : {7, 13, 25, 49}) {
         const Case given = with_planes(count);
-        size = default_size(given.set, *given.field);
+        size = default_size(given.set, given.arrangement, *given.field);
         EXPECT_GT(size, 0.7 * 2) << count;
         EXPECT_LT(size, 1.35 * 2) << count;
     }
@@ -252,13 +254,14 @@ TEST(SamplePoints, contours_side_by_side_are_split_alike_on_parallel_planes_and_
             }
         }
         drawing.raw.structures = {{1, "one", {}}, {2, "other", {}}};
-        const Case given = case_of(kept(drawing.raw));
-        EXPECT_EQ(is_parallel(given.set), turn == 0);
+        Case given = case_of(kept(drawing.raw));
+        EXPECT_EQ(given.arrangement.is_parallel(), turn == 0);
+        EXPECT_TRUE(given.arrangement.is_stack());
+        if (turn != 0 && !apart) given.arrangement.kind = ArrangementKind::general;
         SampleOptions options;
         options.size_mm = 3;
-        options.apart = apart;
         RunContext context;
-        auto sample = sample_points(given.set, *given.field, options, context);
+        auto sample = sample_points(given.set, given.arrangement, *given.field, options, context);
         EXPECT_TRUE(sample.ok());
         EXPECT_EQ(sample.value().graded, turn == 0 || apart);
         return static_cast<double>(sample.value().stats.segment_points);
@@ -284,7 +287,7 @@ TEST(SamplePoints, M09_a_size_that_needs_too_many_points_is_refused_at_once) {
         SampleOptions options;
         options.size_mm = size;
         options.max_points = 1'000'000;
-        const auto sample = sample_points(given.set, *given.field, options, context);
+        const auto sample = sample_points(given.set, given.arrangement, *given.field, options, context);
         ASSERT_FALSE(sample.ok()) << size;
         EXPECT_EQ(sample.error().code, "E-SMP-001");
         EXPECT_EQ(sample.error().kind, ErrorKind::limit);

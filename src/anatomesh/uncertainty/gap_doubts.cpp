@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "anatomesh/field/stack/levels.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 #include "anatomesh/slices/coverage/covering_slices.h"
 
 namespace anatomesh {
@@ -35,10 +37,9 @@ GapDoubts::GapDoubts(const ContourSet& set, const FieldOptions& options)
         if (!patch.box.empty())
             planes_.back().origin = patch.plane.to_space(0.5 * (patch.box.low + patch.box.high));
     }
-    if (!is_parallel(set)) {
-        sweep_ = Sweep::of(set);
-        if (!sweep_) return;
-    }
+    SliceArrangement arrangement = arrangement_of(set);
+    if (!arrangement.is_stack()) return;
+    sweep_ = std::move(arrangement.sweep);
     const ContourSet stack = sweep_ ? sweep_->straight(set) : set;
     frame_ = stack.slices.front().plane;
     if (sweep_) frame_.origin = {};  // straight heights are heights above 0

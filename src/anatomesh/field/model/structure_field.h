@@ -9,6 +9,7 @@
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/plane.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 
 namespace anatomesh {
 
@@ -28,7 +29,7 @@ struct FieldOptions {
     double clamp_mm = 0;
     // Parallel slices: neighbouring contours of a structure further apart than this many local spacings are
     // not joined; the structure ends on both sides of the gap. Range [1, 1e6].
-    double max_gap_spacings = 2;
+    double max_gap_spacings = default_max_gap;
     // Parallel slices: each says something of every structure, also of one that is drawn on single slices;
     // else one drawn on every n-th slice is told of by its own alone.
     bool every_slice_covers = false;

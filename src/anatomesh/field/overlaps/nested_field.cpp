@@ -283,6 +283,7 @@ void warn_of_unknown_slices(const ContourSet& set, RunContext& context) {
 }  // namespace
 
 Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet& set,
+                                                                const SliceFacts& slices,
                                                                 const FieldOptions& options,
                                                                 RunContext& context) {
     Fields levels;
@@ -292,12 +293,14 @@ Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet
             levels.push_back(nullptr);
             continue;
         }
+        // A level is another set than the whole: some of its slices, which may lie otherwise than all do.
         ANATOMESH_TRY(std::shared_ptr<const StructureField> field,
-                      make_field_of_slices(level, options, context));
+                      make_field_of_slices(level, slice_facts_of(level, options.max_gap_spacings, context),
+                                           options, context));
         levels.push_back(std::move(field));
     }
     std::shared_ptr<const StructureField> of_slices;
-    if (is_parallel(set)) {
+    if (slices.arrangement.is_parallel()) {
         RunContext apart;  // what it would warn of is no part of the field
         apart.threads = context.threads;
         apart.cancel = context.cancel;

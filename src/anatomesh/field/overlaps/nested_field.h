@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -18,6 +19,7 @@ namespace anatomesh {
 // set.overlapping. Errors: those of make_structure_field(). Complexity of a query: that of the fields of the
 // levels, for all structures near.
 Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet& set,
+                                                                const SliceFacts& slices,
                                                                 const FieldOptions& options,
                                                                 RunContext& context);
 

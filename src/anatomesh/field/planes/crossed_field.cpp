@@ -15,8 +15,6 @@
 #include "anatomesh/field/warnings/sparse_planes.h"
 #include "anatomesh/field/warnings/thin_structures.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/slices/arrangement/stack_and_crossing.h"
-#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 namespace anatomesh {
 
@@ -34,7 +32,7 @@ constexpr double most_traced = 1e6;         // lattice points of all traces toge
 class CrossedField final : public FieldQueries<CrossedField> {
   public:
     CrossedField(std::shared_ptr<const StructureField> stack, const ContourSet& set,
-                 const StackAndCrossing& slices, const UnknownCoverage& unknown, int threads)
+                 const StackAndCrossing& slices, const SliceCoverage& coverage, int threads)
         : stack_(std::move(stack)), reach_(reach_spacings * stack_->slice_spacing()) {
         clamp_ = stack_->clamp();
         const auto count = static_cast<std::uint32_t>(set.structures.size());
@@ -43,7 +41,7 @@ class CrossedField final : public FieldQueries<CrossedField> {
             if (patches[s].box.empty()) continue;
             layers_.push_back({patches[s], {}});
             for (std::uint32_t n = 0; n < count; ++n) {
-                if (unknown.contains(s, n)) layers_.back().unknown.push_back(n);
+                if (coverage.is_unknown(s, n)) layers_.back().unknown.push_back(n);
             }
             layers_cover_all_ &= layers_.back().unknown.empty();
         }
@@ -259,16 +257,19 @@ std::size_t longest_gap(const ContourSet& set, const StackAndCrossing& slices) {
 }  // namespace
 
 Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSet& set,
-                                                                 const StackAndCrossing& slices,
+                                                                 const SliceFacts& slices,
                                                                  const FieldOptions& options,
                                                                  RunContext& context) {
     // Where a slice was taken out there is no gap.
-    const std::size_t gap = longest_gap(set, slices);
+    const StackAndCrossing& parts = *slices.arrangement.parts;
+    const std::size_t gap = longest_gap(set, parts);
     FieldOptions of_stack = options;
     of_stack.max_gap_spacings *= 1 + static_cast<double>(gap);
     const auto before = static_cast<std::ptrdiff_t>(context.warnings.size());
+    // The stack is another set than the whole: what is left without the slices across it.
+    const ContourSet chosen = chosen_slices(set, parts.stack);
     ANATOMESH_TRY(std::shared_ptr<const StructureField> stack,
-                  make_stack_field(chosen_slices(set, slices.stack), of_stack, context));
+                  make_stack_field(chosen, arrangement_of(chosen), of_stack, context));
     if (gap > 0) {
         const auto bridged = std::remove_if(context.warnings.begin() + before, context.warnings.end(),
                                             [](const Warning& w) { return w.code == "W-FLD-002"; });
@@ -276,8 +277,8 @@ Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSe
     }
     const double spacing = stack->slice_spacing();
     warn_about_thin_structures(set, spacing, context);
-    std::shared_ptr<const StructureField> field = std::make_shared<CrossedField>(
-        std::move(stack), set, slices, UnknownCoverage::of(set, context), context.threads);
+    std::shared_ptr<const StructureField> field =
+        std::make_shared<CrossedField>(std::move(stack), set, parts, slices.coverage, context.threads);
     // What lies between two slices of the stack they tell.
     warn_about_sparse_planes(set, *field, 0.5 * spacing, context);
     return field;

@@ -2,12 +2,8 @@
 // make_structure_field().
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <vector>
-
 #include "anatomesh/field/model/structure_field.h"
-#include "anatomesh/slices/arrangement/stack_and_crossing.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -17,10 +13,10 @@ namespace anatomesh {
 // 0 on the stack's slices and at two spacings from the plane (inverse distances: Shepard, Proc. 23rd ACM
 // National Conference, 1968). So each plane's contours lie on the surface, and where the planes agree with
 // the stack it stays what the stack says. A plane says nothing more than one spacing beside its contours, and
-// nothing of structures that it does not draw. Requires: the slices of stack_and_crossing(set). Complexity of
+// nothing of structures that it does not draw. Requires: slices of `set`, a stack with planes across it. Complexity of
 // a query: that of the stack's field for each plane near, and O(slices) there.
 Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSet& set,
-                                                                 const StackAndCrossing& slices,
+                                                                 const SliceFacts& slices,
                                                                  const FieldOptions& options,
                                                                  RunContext& context);
 

@@ -17,7 +17,6 @@
 #include "anatomesh/field/warnings/sparse_planes.h"
 #include "anatomesh/field/warnings/thin_structures.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 namespace anatomesh {
 
@@ -707,6 +706,7 @@ class PartlySaidField final : public FieldQueries<PartlySaidField> {
 }  // namespace
 
 Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSet& set,
+                                                                 const SliceCoverage& coverage,
                                                                  const FieldOptions& options,
                                                                  RunContext& context) {
     std::vector<PlanePatch> patches = plane_patches(set);
@@ -720,12 +720,12 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
     for (const Contour& contour : set.contours) used[contour.structure] = true;
     const bool several = std::count(used.begin(), used.end(), true) > 1;
     // One field for all structures of which the same slices say nothing; the first for those of which all do.
-    const UnknownCoverage unknown = UnknownCoverage::of(set, context);
     std::vector<std::vector<bool>> left_out(1);
     std::vector<std::uint32_t> field_of(set.structures.size(), 0);
-    for (std::uint32_t s = 0; s < field_of.size() && !unknown.empty(); ++s) {
+    for (std::uint32_t s = 0; s < field_of.size(); ++s) {
         std::vector<bool> unknown_slices(set.slices.size());
-        for (std::uint32_t k = 0; k < unknown_slices.size(); ++k) unknown_slices[k] = unknown.contains(k, s);
+        for (std::uint32_t k = 0; k < unknown_slices.size(); ++k)
+            unknown_slices[k] = coverage.is_unknown(k, s);
         if (std::find(unknown_slices.begin(), unknown_slices.end(), true) == unknown_slices.end()) continue;
         const auto at = std::find(left_out.begin(), left_out.end(), unknown_slices);
         field_of[s] = static_cast<std::uint32_t>(at - left_out.begin());

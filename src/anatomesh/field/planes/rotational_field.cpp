@@ -14,7 +14,6 @@
 #include "anatomesh/field/warnings/missing_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/slices/arrangement/rotation_axis.h"
-#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 namespace anatomesh {
 
@@ -185,19 +184,19 @@ void warn_about_gaps(const ContourSet& set, const RotationalSweep& sweep, RunCon
 
 }  // namespace
 
-Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSweep sweep,
-                                                                    const ContourSet& set,
+Result<std::shared_ptr<const StructureField>> make_rotational_field(const ContourSet& set,
+                                                                    const SliceFacts& slices,
                                                                     const FieldOptions& options,
                                                                     RunContext& context) {
-    Parts parts{std::move(sweep), nullptr, nullptr, 0};
+    Parts parts{*slices.arrangement.rotation, nullptr, nullptr, 0};
     FieldOptions near = options;
     near.least_reach_mm = reach_across_axis * parts.sweep.beside();
-    ANATOMESH_TRY(parts.near, make_general_field(set, near, context));
+    ANATOMESH_TRY(parts.near, make_general_field(set, slices.coverage, near, context));
     RunContext apart;  // its warnings are those of the field near the axis, or of straight coordinates
     apart.threads = context.threads;
     apart.cancel = context.cancel;
-    if (!UnknownCoverage::of(set, apart).empty()) {
-        warn_about_missing_slices(set, context);
+    if (slices.coverage.has_unknown()) {
+        warn_about_missing_slices(set, slices.arrangement.axis, context);
         return parts.near;
     }
     warn_about_gaps(set, parts.sweep, context);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "anatomesh/field/model/structure_field.h"
-#include "anatomesh/slices/arrangement/rotational_sweep.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -10,10 +10,10 @@ namespace anatomesh {
 // slices are nearer to each other than vertices along the contours are in the mean, or cross, that of planes
 // in any position (general_field.h), which takes the mean of them. From one to the other their values are
 // blended, over as far again. The latter alone where a slice says nothing of a structure
-// (unknown_coverage.h). Requires: sweep of `set`; at least one contour. Errors: those of both. Complexity of
+// (slice_coverage.h). Requires: slices of `set`, about an axis; at least one contour. Errors: those of both. Complexity of
 // a query: that of the field that counts there, of both where they are blended.
-Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSweep sweep,
-                                                                    const ContourSet& set,
+Result<std::shared_ptr<const StructureField>> make_rotational_field(const ContourSet& set,
+                                                                    const SliceFacts& slices,
                                                                     const FieldOptions& options,
                                                                     RunContext& context);
 

@@ -19,7 +19,7 @@ using namespace fixtures;
 constexpr double pi = std::numbers::pi;
 
 std::shared_ptr<const StructureField> field_of(const ContourSet& set) {
-    EXPECT_TRUE(RotationalSweep::of(set));
+    EXPECT_EQ(arrangement_of(set).kind, ArrangementKind::about_axis);
     RunContext context;
     return make_structure_field(set, {}, context).value();
 }
@@ -128,7 +128,9 @@ TEST(RotationalField, is_nearer_to_the_truth_than_planes_in_any_position_are) {
     for (const int planes : {2, 3, 4, 6, 9, 13, 18}) {
         const ContourSet set = sections_of(solid, planes_about(axis, planes), 200);
         RunContext context;
-        const auto general = make_general_field(set, {}, context).value();
+        const auto general =
+            make_general_field(set, slice_facts_of(set, default_max_gap, context).coverage, {}, context)
+                .value();
         const double error = mean_error(*field_of(set), solid), before = mean_error(*general, solid);
         EXPECT_LT(error, 0.8 * before) << planes << ": " << error << " " << before;
     }

@@ -5,7 +5,7 @@
 
 namespace anatomesh {
 
-// Requires: is_parallel(set), at least one contour. See make_structure_field() and docs/stages/05-field.md.
+// Requires: parallel slices, at least one contour. See make_structure_field() and docs/stages/05-field.md.
 Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourSet& set,
                                                                   const FieldOptions& options,
                                                                   RunContext& context);

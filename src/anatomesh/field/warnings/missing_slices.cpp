@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "anatomesh/contour/planes/row_of_slices.h"
-#include "anatomesh/slices/arrangement/rotation_axis.h"
 
 namespace anatomesh {
 
@@ -66,9 +65,8 @@ bool warn_about_row(const ContourSet& set, RunContext& context) {
 }
 
 // Of planes that all run through what is drawn near one line.
-void warn_about_turn(const ContourSet& set, RunContext& context) {
+void warn_about_turn(const ContourSet& set, const Axis& axis, RunContext& context) {
     const Box3 box = set.box();
-    const Axis axis = rotation_axis(set);
     const Vec3 middle = 0.5 * (box.low + box.high), way = middle - axis.origin;
     const Vec3 nearest = axis.origin + dot(way, axis.direction) * axis.direction;
     if (!box.contains(nearest)) return;
@@ -91,9 +89,9 @@ void warn_about_turn(const ContourSet& set, RunContext& context) {
 
 }  // namespace
 
-void warn_about_missing_slices(const ContourSet& set, RunContext& context) {
+void warn_about_missing_slices(const ContourSet& set, const Axis& axis, RunContext& context) {
     if (set.slices.size() < fewest_slices) return;
-    if (!warn_about_row(set, context)) warn_about_turn(set, context);
+    if (!warn_about_row(set, context)) warn_about_turn(set, axis, context);
 }
 
 }  // namespace anatomesh

@@ -3,6 +3,7 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/slices/arrangement/rotation_axis.h"
 
 namespace anatomesh {
 
@@ -11,7 +12,7 @@ namespace anatomesh {
 // the middle of the contours; or turned about an axis (rotation_axis.h) through the contours' box, about
 // this, where all run within a twentieth of its diagonal of it. The widest gap is named: planes in any
 // position (general_field.h) go on there as far as planes on both sides are seen, and end elsewhere.
-// Complexity: O(slices^2).
-void warn_about_missing_slices(const ContourSet& set, RunContext& context);
+// `axis`: rotation_axis(set). Complexity: O(slices log slices).
+void warn_about_missing_slices(const ContourSet& set, const Axis& axis, RunContext& context);
 
 }  // namespace anatomesh

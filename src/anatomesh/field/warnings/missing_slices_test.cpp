@@ -11,6 +11,10 @@ namespace {
 
 using namespace fixtures;
 
+void warn_about_gaps_of(const ContourSet& set, RunContext& context) {
+    warn_about_missing_slices(set, rotation_axis(set), context);
+}
+
 // Slices 3 mm apart that lean by up to so many radians, without some from the 8th on.
 ContourSet held_by_hand(double most_lean, std::size_t missing, std::mt19937& random) {
     std::vector<Plane> planes;
@@ -25,7 +29,7 @@ TEST(MissingSlices, RS18_are_told_of_between_slices_that_cross) {
     for (const double lean : {0.1, 0.25}) {
         for (const std::size_t missing : {0u, 1u, 2u, 5u}) {
             RunContext context;
-            warn_about_missing_slices(held_by_hand(lean, missing, random), context);
+            warn_about_gaps_of(held_by_hand(lean, missing, random), context);
             ASSERT_EQ(context.warnings.size(), missing >= 2) << lean << " " << missing;
             if (missing < 2) continue;
             EXPECT_EQ(context.warnings[0].code, "W-FLD-001");
@@ -41,17 +45,17 @@ TEST(MissingSlices, are_none_between_two_passes) {
         planes.push_back(make_plane({0, 0, 4.0 * k + 1}, {-0.08, 0.04, 1}));
     }
     RunContext context;
-    warn_about_missing_slices(sections_of({{}, {25, 22, 38}}, planes, 60), context);
+    warn_about_gaps_of(sections_of({{}, {25, 22, 38}}, planes, 60), context);
     EXPECT_TRUE(context.warnings.empty());
 }
 
 TEST(MissingSlices, are_not_looked_for_where_planes_are_turned_or_few) {
     RunContext context;
-    warn_about_missing_slices(
-        sections_of({{}, {25, 22, 38}}, planes_about(make_plane({}, {0, 0, 1}), 12), 60), context);
+    warn_about_gaps_of(sections_of({{}, {25, 22, 38}}, planes_about(make_plane({}, {0, 0, 1}), 12), 60),
+                       context);
     const std::vector<Plane> few{make_plane({0, 0, 0}, {0, 0, 1}), make_plane({0, 0, 1}, {0, 0.1, 1}),
                                  make_plane({0, 0, 20}, {0, 0, 1})};
-    warn_about_missing_slices(sections_of({{}, {25, 22, 38}}, few, 60), context);
+    warn_about_gaps_of(sections_of({{}, {25, 22, 38}}, few, 60), context);
     EXPECT_TRUE(context.warnings.empty());
 }
 
@@ -59,8 +63,7 @@ TEST(MissingSlices, are_told_of_where_a_turn_was_not_finished) {
     const std::vector<Plane> all = planes_about(make_plane({1, 2, 0}, {0.1, 0, 1}), 30);
     for (const std::ptrdiff_t turned : {6, 15, 24, 30}) {
         RunContext context;
-        warn_about_missing_slices(sections_of({{}, {25, 22, 38}}, {all.begin(), all.begin() + turned}, 60),
-                                  context);
+        warn_about_gaps_of(sections_of({{}, {25, 22, 38}}, {all.begin(), all.begin() + turned}, 60), context);
         ASSERT_EQ(context.warnings.size(), turned < 30) << turned;
         if (turned == 30) continue;
         EXPECT_EQ(context.warnings[0].place.value.find(std::to_string(6 * (31 - turned)) + " degrees"), 0u);

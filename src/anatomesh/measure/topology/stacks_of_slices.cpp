@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "anatomesh/contour/model/chosen_slices.h"
-#include "anatomesh/slices/arrangement/stack_and_crossing.h"
 
 namespace anatomesh {
 
@@ -18,6 +17,7 @@ constexpr std::size_t least_slices = 4;  // A family has no fewer. [slices; >= 2
 const double most_sine = std::sin(std::numbers::pi / 180);
 
 std::optional<StackOfSlices> stack_of(const ContourSet& contours, const std::vector<std::uint32_t>& chosen) {
+    // Chosen slices are another set, and parallel ones need a chart here too: the sweep is asked for by itself.
     const ContourSet some = chosen_slices(contours, chosen);
     std::optional<Sweep> sweep = Sweep::of(some);
     if (!sweep) return std::nullopt;
@@ -71,7 +71,7 @@ void mark_turns(const std::vector<std::uint32_t>& positions, std::size_t slices,
 
 }  // namespace
 
-std::vector<StackOfSlices> stacks_of_slices(const ContourSet& contours) {
+std::vector<StackOfSlices> stacks_of_slices(const ContourSet& contours, const SliceArrangement& arrangement) {
     std::vector<StackOfSlices> stacks;
     const auto add = [&](const std::vector<std::uint32_t>& chosen) {
         if (std::optional<StackOfSlices> stack = stack_of(contours, chosen))
@@ -81,8 +81,8 @@ std::vector<StackOfSlices> stacks_of_slices(const ContourSet& contours) {
     std::iota(all.begin(), all.end(), 0u);
     add(all);
     if (!stacks.empty()) return stacks;
-    if (const std::optional<StackAndCrossing> parts = stack_and_crossing(contours)) {
-        add(parts->stack);
+    if (arrangement.parts) {
+        add(arrangement.parts->stack);
         return stacks;
     }
     for (const std::vector<std::uint32_t>& family : families(contours)) add(family);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/slices/arrangement/sweep.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 
 namespace anatomesh {
 
@@ -18,8 +18,9 @@ struct StackOfSlices {
 
 // All slices, where they are a sweep; else the stack of a set that has a few planes across it
 // (crossed_field.h); else every family of four slices or more within a degree of one of them, that lie side
-// by side. Nothing of planes about an axis, or in no order at all. Complexity: O(points + slices^2).
-std::vector<StackOfSlices> stacks_of_slices(const ContourSet& contours);
+// by side. Nothing of planes about an axis, or in no order at all. `arrangement`:
+// of the contours. Complexity: O(points + slices^2).
+std::vector<StackOfSlices> stacks_of_slices(const ContourSet& contours, const SliceArrangement& arrangement);
 
 // By structure, then by gap between two slices of the stack that follow one another: 1 where a contour on a
 // slice of no part in the stack lies in the gap alone, or goes into it and back to the slice it came from.

@@ -536,7 +536,7 @@ std::vector<TopologyMismatch> most_amiss(const std::vector<std::vector<TopologyM
 
 std::vector<TopologyMismatch> topology_check(std::span<const Vec3> points,
                                              std::span<const std::vector<Triangle>> surfaces,
-                                             const ContourSet& contours,
+                                             const ContourSet& contours, const SliceArrangement& arrangement,
                                              std::span<const std::uint32_t> vertex_of,
                                              std::span<const std::uint8_t> whole_only, int threads) {
     assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
@@ -550,7 +550,7 @@ std::vector<TopologyMismatch> topology_check(std::span<const Vec3> points,
         return tears_of_stack(heights, surfaces, contours, vertex_of, whole_only, {}, threads);
     }
     std::vector<std::vector<TopologyMismatch>> by_stack;
-    for (const StackOfSlices& stack : stacks_of_slices(contours)) {
+    for (const StackOfSlices& stack : stacks_of_slices(contours, arrangement)) {
         heights.clear();
         for (const Vec3& p : points) heights.push_back(stack.sweep.straight(p).z);
         std::vector<std::uint32_t> vertices;

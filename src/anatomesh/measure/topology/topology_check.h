@@ -8,6 +8,7 @@
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/geom/vec.h"
 #include "anatomesh/mesh/model/surface_mesh.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 
 namespace anatomesh {
 
@@ -40,7 +41,7 @@ struct TopologyMismatch {
 // the contours are compared only where a surface is no annulus.
 std::vector<TopologyMismatch> topology_check(std::span<const Vec3> points,
                                              std::span<const std::vector<Triangle>> surfaces,
-                                             const ContourSet& contours,
+                                             const ContourSet& contours, const SliceArrangement& arrangement,
                                              std::span<const std::uint32_t> vertex_of,
                                              std::span<const std::uint8_t> whole_only, int threads = 1);
 

@@ -97,9 +97,11 @@ class TornSolid : public CubeSolid {
         EXPECT_LT(2 * std::count(vertex_of.begin(), vertex_of.end(), no_cell), std::ssize(vertex_of));
         const std::vector<std::vector<Triangle>> surfaces{triangles};
         const std::uint8_t all[] = {0}, whole_only[] = {1};
-        std::vector<TopologyMismatch> tears = topology_check(moved, surfaces, set, vertex_of, all);
-        expect_whole_ones(topology_check(moved, surfaces, set, vertex_of, whole_only), tears);
-        EXPECT_EQ(topology_check(moved, surfaces, set, vertex_of, all, 3), tears);
+        std::vector<TopologyMismatch> tears =
+            topology_check(moved, surfaces, set, arrangement_of(set), vertex_of, all);
+        expect_whole_ones(topology_check(moved, surfaces, set, arrangement_of(set), vertex_of, whole_only),
+                          tears);
+        EXPECT_EQ(topology_check(moved, surfaces, set, arrangement_of(set), vertex_of, all, 3), tears);
         return tears;
     }
 

@@ -15,8 +15,7 @@
 #include "anatomesh/mesh/check/spurious_handles.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/sample/sample_points.h"
-#include "anatomesh/slices/arrangement/parallel_slices.h"
-#include "anatomesh/slices/arrangement/sweep.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 
 namespace anatomesh {
 
@@ -162,13 +161,17 @@ TopologyFindings check_topology(const TopologyInput& model, int threads) {
                                         static_cast<std::uint32_t>(model.structure_of[s]), threads);
     }
     TopologyFindings tears;
-    tears.of_slices = topology_check(model.mesh.points, surfaces, contours, model.vertex_of, thick, threads);
+    if (std::all_of(surfaces.begin(), surfaces.end(), [](const auto& surface) { return surface.empty(); }))
+        return tears;
+    // The model's contours may have been re-routed, and a file's lie elsewhere: it is another set than the
+    // one that the model was made of.
+    const SliceArrangement arrangement = arrangement_of(contours);
+    tears.of_slices =
+        topology_check(model.mesh.points, surfaces, contours, arrangement, model.vertex_of, thick, threads);
     // Where parts branch or vanish the field itself may join them, near the ends of the run.
     std::erase_if(tears.of_slices,
                   [](const TopologyMismatch& t) { return !t.whole && t.euler > t.expected; });
-    const bool asked =
-        std::any_of(surfaces.begin(), surfaces.end(), [](const auto& surface) { return !surface.empty(); });
-    if (asked && !is_parallel(contours) && !Sweep::of(contours)) {
+    if (!arrangement.is_stack()) {
         const ContourEdges edges = edges_of_contours(model);
         tears.between_planes = spurious_joints(model.mesh.points, surfaces, edges.found, edges.missed,
                                                contours, model.vertex_of);

@@ -36,10 +36,9 @@ constexpr std::ptrdiff_t repeated = 4;  // half-planes before the first turn and
 
 }  // namespace
 
-std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set, double max_gap) {
+std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set, const Axis& axis, double max_gap) {
     if (set.slices.size() < fewest_slices) return std::nullopt;
     RotationalSweep sweep;
-    const Axis axis = rotation_axis(set);
     sweep.origin_ = axis.origin;
     sweep.direction_ = axis.direction;
     if (std::any_of(set.slices.begin(), set.slices.end(), [&](const Slice& slice) {

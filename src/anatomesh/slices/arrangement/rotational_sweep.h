@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/slices/arrangement/rotation_axis.h"
 
 namespace anatomesh {
 
@@ -30,9 +31,9 @@ class RotationalSweep {
     // (rotation_axis.h); no two neighbours are apart by more than 179 degrees but where nothing is drawn on
     // one side of the axis, nor, where they are joined, by more than 110; and their planes run by the axis so
     // closely that of neighbours half the pairs are apart (apart_from()) from the contours' mean distance
-    // from it on. Requires: a contour; max_gap >= 1, usual angles that are joined. Complexity: O(points +
+    // from it on. Requires: a contour; `axis` is rotation_axis(set); max_gap >= 1, usual angles that are joined. Complexity: O(points +
     // slices^2).
-    static std::optional<RotationalSweep> of(const ContourSet& set, double max_gap = 2);
+    static std::optional<RotationalSweep> of(const ContourSet& set, const Axis& axis, double max_gap);
 
     // Neighbours further apart than 1.5 times the usual angle or than 95 degrees, by their slices: slices are
     // missing there, or nothing is drawn on them.

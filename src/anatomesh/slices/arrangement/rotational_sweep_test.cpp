@@ -7,11 +7,16 @@
 #include <cmath>
 
 #include "anatomesh/field/rotational_fixtures_for_test.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 
 namespace anatomesh::rotational_sweep_test {
 namespace {
 
 using namespace fixtures;
+
+std::optional<RotationalSweep> sweep_about_axis(const ContourSet& set, double max_gap = default_max_gap) {
+    return RotationalSweep::of(set, rotation_axis(set), max_gap);
+}
 
 constexpr double pi = std::numbers::pi;
 
@@ -42,7 +47,7 @@ double signed_area(const ContourSet& set, const Contour& contour) {
 
 TEST(RotationalSweep, every_half_plane_gets_a_height_of_its_own_and_keeps_its_shape) {
     for (const auto& [axis, set] : scans()) {
-        const auto sweep = RotationalSweep::of(set);
+        const auto sweep = sweep_about_axis(set);
         ASSERT_TRUE(sweep);
         const ContourSet straight = sweep->straight(set);
         EXPECT_GE(straight.slices.size(), 2 * set.slices.size());
@@ -66,7 +71,7 @@ TEST(RotationalSweep, every_half_plane_gets_a_height_of_its_own_and_keeps_its_sh
 
 TEST(RotationalSweep, points_of_contours_come_where_their_contours_are) {
     for (const auto& [axis, set] : scans()) {
-        const auto sweep = RotationalSweep::of(set);
+        const auto sweep = sweep_about_axis(set);
         ASSERT_TRUE(sweep);
         const ContourSet straight = sweep->straight(set);
         for (const Vec3& p : set.points) {
@@ -81,7 +86,7 @@ TEST(RotationalSweep, straight_coordinates_are_cylindrical_about_one_axis) {
     std::mt19937 random(6);
     std::uniform_real_distribution<double> unit(-1, 1);
     for (const auto& [axis, set] : scans()) {
-        const auto sweep = RotationalSweep::of(set);
+        const auto sweep = sweep_about_axis(set);
         ASSERT_TRUE(sweep);
         EXPECT_NEAR(sweep->angle(axis.origin + axis.u + 0.3 * axis.v),
                     pi / static_cast<double>(set.slices.size()), 1e-9);
@@ -113,7 +118,7 @@ TEST(RotationalSweep, slices_that_do_not_follow_each_other_all_round_are_none) {
     const Plane axis = make_plane({1, 2, 3}, {0.2, -0.1, 1});
     const Ellipsoid solid{{}, {30, 22, 40}};
     const auto is_sweep = [&](const std::vector<Plane>& planes) {
-        return RotationalSweep::of(sections_of(solid, planes, 60)).has_value();
+        return sweep_about_axis(sections_of(solid, planes, 60)).has_value();
     };
     const std::vector<Plane> all = planes_about(axis, 12);
     EXPECT_TRUE(is_sweep(all));
@@ -144,7 +149,7 @@ TEST(RotationalSweep, slices_that_do_not_follow_each_other_all_round_are_none) {
 
 // The widest gap, in degrees, and whether what is drawn goes on over it.
 std::pair<double, bool> widest_gap(const ContourSet& set, double max_gap) {
-    const auto sweep = RotationalSweep::of(set, max_gap);
+    const auto sweep = sweep_about_axis(set, max_gap);
     EXPECT_TRUE(sweep);
     std::pair<double, bool> widest{0, true};
     for (const RotationalSweep::Gap& gap : sweep->wide_gaps())
@@ -186,7 +191,7 @@ TEST(RotationalSweep, what_is_on_both_sides_of_an_open_gap_is_far_apart) {
     const Plane axis = make_plane({}, {0, 0, 1});
     const std::vector<Plane> all = planes_about(axis, 18);
     const ContourSet set = sections_of({{}, {30, 22, 40}}, {all.begin(), all.begin() + 9}, 60);
-    const auto sweep = RotationalSweep::of(set);
+    const auto sweep = sweep_about_axis(set);
     ASSERT_TRUE(sweep);
     // From slice to slice and over both gaps: by as much as the angle, but in the middle of the gaps.
     const auto at = [&](double degrees) {
@@ -215,7 +220,7 @@ TEST(RotationalSweep, slices_on_one_side_of_the_axis_are_open_behind_it) {
         const double a = k * pi / 24;
         planes.push_back(make_plane({}, std::cos(a) * axis.v - std::sin(a) * axis.u));
     }
-    const auto sweep = RotationalSweep::of(sections_of({24.0 * out, {22, 22, 22}}, planes, 60));
+    const auto sweep = sweep_about_axis(sections_of({24.0 * out, {22, 22, 22}}, planes, 60));
     ASSERT_TRUE(sweep);
     EXPECT_TRUE(sweep->wide_gaps().empty()) << "nothing is missing behind it";
     // Rising from the middle of what is behind all round to it, but where the turn begins, or falling.
@@ -240,7 +245,7 @@ TEST(RotationalSweep, slices_on_one_side_of_the_axis_are_open_behind_it) {
 TEST(RotationalSweep, two_slices_on_one_side_of_the_axis_are_as_far_apart_as_they_are) {
     const Plane axis = make_plane({}, {0, 0, 1});
     const std::vector<Plane> planes{plane_about(axis, 0.1), plane_about(axis, 0.4)};
-    const auto sweep = RotationalSweep::of(sections_of({25.0 * axis.u, {22, 22, 22}}, planes, 60));
+    const auto sweep = sweep_about_axis(sections_of({25.0 * axis.u, {22, 22, 22}}, planes, 60));
     ASSERT_TRUE(sweep);
     EXPECT_NEAR(sweep->angle(std::cos(0.2) * axis.u + std::sin(0.2) * axis.v), 0.3, 1e-9);
     EXPECT_TRUE(sweep->wide_gaps().empty());
@@ -251,7 +256,7 @@ TEST(RotationalSweep, half_planes_on_which_next_to_nothing_is_drawn_leave_it_ope
     // How far the axis lies inside an outline of 20 mm round.
     const auto is_sweep = [&](double inside) {
         const Ellipsoid solid{{20 - inside, 0, 0}, {20, 20, 20}};
-        return RotationalSweep::of(sections_of(solid, planes_about(axis, 12), 90)).has_value();
+        return sweep_about_axis(sections_of(solid, planes_about(axis, 12), 90)).has_value();
     };
     EXPECT_TRUE(is_sweep(20));
     EXPECT_TRUE(is_sweep(12));
@@ -270,7 +275,7 @@ TEST(RotationalSweep, planes_that_run_beside_the_axis_are_one_from_where_they_ar
                         beside_their_places(in_any_order(planes_about(axis, planes), random), beside,
                                             beside / 40, random),
                         90);
-        const auto sweep = RotationalSweep::of(set);
+        const auto sweep = sweep_about_axis(set);
         ASSERT_TRUE(sweep) << planes;
         const ContourSet straight = sweep->straight(set);
         for (const Contour& contour : set.contours) {

@@ -91,10 +91,11 @@ TEST(CoveringSlices, an_organ_is_whole_where_a_lesion_in_it_has_slices_of_its_ow
         };
         EXPECT_EQ(told("W-FLD-003"), 0);
         EXPECT_EQ(told("W-FLD-012"), 2);  // the lesion goes on through the organ's slice at 0, too
-        const std::vector<bool> tell = slice_coverage(builder.set, 0);
-        for (std::uint32_t s = 0; s < tell.size(); ++s) {
+        const SliceCoverage coverage = slice_facts_of(builder.set, default_max_gap, context).coverage;
+        for (std::uint32_t s = 0; s < builder.set.slices.size(); ++s) {
             const auto drawn = builder.set.contours_of(builder.set.slices[s]);
-            EXPECT_EQ(tell[s], drawn.front().structure == 0) << s;
+            EXPECT_EQ(coverage.at(s, 0), drawn.front().structure == 0 ? Coverage::drawn : Coverage::unknown)
+                << s;
         }
     }
 }
@@ -123,8 +124,9 @@ TEST(CoveringSlices, an_organ_is_whole_where_a_slice_of_its_own_is_left_out) {
         const ContourSet set = chosen_slices(builder.set, others);
         ASSERT_EQ(set.left_out.size(), 2u);
         EXPECT_EQ(set.left_out[0].structure, builder.set.structures[0].number);
-        EXPECT_EQ(is_parallel(set), lean == Lean::none);
-        EXPECT_EQ(Sweep::of(set).has_value(), lean != Lean::by_hand);
+        const SliceArrangement arrangement = arrangement_of(set);
+        EXPECT_EQ(arrangement.is_parallel(), lean == Lean::none);
+        EXPECT_EQ(arrangement.is_stack(), lean != Lean::by_hand);
         ContourSet unknown = set;
         unknown.left_out.clear();
         for (const bool known : {true, false}) {
@@ -138,6 +140,57 @@ TEST(CoveringSlices, an_organ_is_whole_where_a_slice_of_its_own_is_left_out) {
             }
         }
     }
+}
+
+// Five discs of one structure; the third slice draws another structure alone.
+ContourSet discs_with_another_between() {
+    SetBuilder builder;
+    for (int k = 0; k < 5; ++k) {
+        builder.slice(make_plane({0, 0, 2.0 * k}, {0, 0, 1}));
+        builder.ring(k == 2 ? 1 : 0, circle({}, 10, 40));
+    }
+    return std::move(builder.set);
+}
+
+TEST(SliceCoverage, a_slice_without_a_contour_between_others_shows_that_the_structure_is_absent) {
+    const ContourSet set = discs_with_another_between();
+    RunContext context;
+    const SliceCoverage coverage = slice_facts_of(set, default_max_gap, context).coverage;
+    for (std::uint32_t k = 0; k < 5; ++k) {
+        EXPECT_EQ(coverage.at(k, 0), k == 2 ? Coverage::absent : Coverage::drawn) << k;
+        EXPECT_EQ(coverage.at(k, 1), k == 2 ? Coverage::drawn : Coverage::absent) << k;
+        EXPECT_TRUE(coverage.is_certain(k, 0) && coverage.is_certain(k, 1));
+    }
+    EXPECT_FALSE(coverage.has_unknown());
+}
+
+TEST(SliceCoverage, an_outline_that_nobody_drew_is_interpolated_and_stays_so) {
+    ContourSet set = discs_with_another_between();
+    set.slices[2].interpolated = {set.structures[1].number};
+    SliceCoverage coverage(set);
+    EXPECT_EQ(coverage.at(2, 1), Coverage::interpolated);
+    EXPECT_EQ(coverage.at(1, 0), Coverage::drawn);
+    coverage.set_absence(2, 1, Coverage::unknown);
+    EXPECT_EQ(coverage.at(2, 1), Coverage::interpolated);
+    coverage.set_absence(2, 0, Coverage::unknown);
+    EXPECT_TRUE(coverage.is_unknown(2, 0) && coverage.has_unknown() && !coverage.is_certain(2, 0));
+}
+
+// The rule for slices on levels of nested structures: what a level has no slice of is unknown.
+TEST(SliceCoverage, a_level_of_nested_structures_says_nothing_of_slices_that_it_has_not) {
+    ContourSet set = discs_with_another_between();
+    set.exclusive = true;
+    OverlappingContours all;
+    const std::vector<std::uint32_t> outer{0, 1, 3, 4}, inner{2};
+    for (const auto& own : {outer, inner}) all.levels.push_back(chosen_slices(set, own));
+    all.slices = {outer, inner};
+    set.overlapping = std::make_shared<const OverlappingContours>(std::move(all));
+    RunContext context;
+    const SliceCoverage coverage = slice_facts_of(set, default_max_gap, context).coverage;
+    EXPECT_EQ(coverage.at(2, 0), Coverage::unknown);
+    EXPECT_EQ(coverage.at(1, 0), Coverage::drawn);
+    EXPECT_EQ(coverage.at(1, 1), Coverage::unknown);
+    EXPECT_EQ(coverage.at(2, 1), Coverage::drawn);
 }
 
 }  // namespace

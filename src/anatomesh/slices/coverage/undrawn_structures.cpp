@@ -5,6 +5,8 @@
 #include <map>
 #include <tuple>
 
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 #include "anatomesh/slices/lines/arc.h"
 
 namespace anatomesh {
@@ -13,21 +15,15 @@ namespace {
 
 constexpr double same_direction = 0.866;  // cosine of the angle between planes: 30 degrees
 
-// What is drawn where: by slice, then by structure.
-std::vector<std::vector<bool>> drawn_on(const ContourSet& set) {
-    std::vector<std::vector<bool>> drawn(set.slices.size(), std::vector<bool>(set.structures.size(), false));
-    for (const Contour& contour : set.contours) drawn[contour.slice][contour.structure] = true;
-    return drawn;
-}
-
 // On which side of the slice those of its own direction draw the structure, -1 or 1; 0: on both or not at
 // all.
-int side_of_structure(const ContourSet& set, const std::vector<std::vector<bool>>& drawn, std::uint32_t slice,
+int side_of_structure(const ContourSet& set, const SliceCoverage& drawn, std::uint32_t slice,
                       std::uint32_t structure) {
     const Plane& plane = set.slices[slice].plane;
     bool above = false, below = false;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        if (!drawn[s][structure] || std::abs(dot(set.slices[s].plane.normal, plane.normal)) < same_direction)
+        if (!drawn.is_drawn(s, structure) ||
+            std::abs(dot(set.slices[s].plane.normal, plane.normal)) < same_direction)
             continue;
         for (const Contour& contour : set.contours_of(set.slices[s])) {
             if (contour.structure != structure) continue;
@@ -42,12 +38,12 @@ int side_of_structure(const ContourSet& set, const std::vector<std::vector<bool>
 }
 
 // How many slices of other directions draw the structure.
-std::uint32_t drawn_across(const ContourSet& set, const std::vector<std::vector<bool>>& drawn,
-                           std::uint32_t slice, std::uint32_t structure) {
+std::uint32_t drawn_across(const ContourSet& set, const SliceCoverage& drawn, std::uint32_t slice,
+                           std::uint32_t structure) {
     std::uint32_t count = 0;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
         const double cosine = std::abs(dot(set.slices[s].plane.normal, set.slices[slice].plane.normal));
-        count += drawn[s][structure] && cosine < same_direction;
+        count += drawn.is_drawn(s, structure) && cosine < same_direction;
     }
     return count;
 }
@@ -94,12 +90,13 @@ bool lies_beyond(const ContourSet& set, std::uint32_t far, std::uint32_t near, i
 std::vector<UndrawnStructure> find_undrawn_structures(const ContourSet& set,
                                                       std::span<const LineComparison> comparisons,
                                                       double spacing) {
-    const std::vector<std::vector<bool>> drawn = drawn_on(set);
+    const SliceCoverage drawn(set);
     std::map<std::pair<std::uint32_t, std::uint32_t>, Shown> shown;  // by slice and structure
     for (const LineComparison& c : comparisons) {
         for (const bool of_a : {true, false}) {
             const std::uint32_t own = of_a ? c.a : c.b, other = of_a ? c.b : c.a;
-            if ((of_a ? c.endpoints_a : c.endpoints_b).empty() || drawn[other][c.structure]) continue;
+            if ((of_a ? c.endpoints_a : c.endpoints_b).empty() || drawn.is_drawn(other, c.structure))
+                continue;
             Shown& most = shown[{other, c.structure}];
             ++most.slices;
             if (c.difference_mm > most.length_mm) most.by = own;
@@ -129,11 +126,14 @@ std::vector<UndrawnStructure> find_undrawn_structures(const ContourSet& set,
 }
 
 std::vector<UndrawnStructure> find_undrawn_structures(const ContourSet& set, RunContext& context) {
-    const std::vector<std::vector<bool>> drawn = drawn_on(set);
-    std::vector<bool> anywhere(set.structures.size(), false);
-    for (const Contour& contour : set.contours) anywhere[contour.structure] = true;
-    const auto leaves_out = [&](std::uint32_t s) {
-        return set.slices[s].contour_count > 0 && drawn[s] != anywhere;
+    const SliceCoverage drawn(set);
+    std::vector<std::uint32_t> anywhere;  // structures that some slice draws
+    for (const Contour& contour : set.contours) anywhere.push_back(contour.structure);
+    sort_distinct(anywhere);
+    const auto leaves_out = [&](std::uint32_t slice) {
+        return set.slices[slice].contour_count > 0 &&
+               !std::all_of(anywhere.begin(), anywhere.end(),
+                            [&](std::uint32_t s) { return drawn.is_drawn(slice, s); });
     };
     const std::vector<PlanePatch> patches = plane_patches(set);
     bool any = false;

@@ -1,13 +1,11 @@
 // Laws of what slices say of structures that are not drawn on them.
-#include "anatomesh/slices/coverage/unknown_coverage.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "anatomesh/slices/arrangement/sweep.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh::unknown_coverage_test {
 namespace {
@@ -40,39 +38,41 @@ ContourSet two_stacks(double degrees, double offset, bool both) {
     return set;
 }
 
-TEST(UnknownCoverage, a_structure_on_planes_of_its_own_is_not_told_by_those_between) {
+TEST(CrossingCoverage, a_structure_on_planes_of_its_own_is_not_told_by_those_between) {
     int tried = 0;
     for (const double degrees : {0.2, 1.0, 2.5, 4.0, 10.0, 15.0}) {
         for (const double offset : {0.3, 1.0}) {
             SCOPED_TRACE(std::to_string(degrees) + " degrees, " + std::to_string(offset) + " mm");
             const ContourSet set = two_stacks(degrees, offset, false);
             RunContext context;
-            const UnknownCoverage unknown = UnknownCoverage::of(set, context);
-            // A sweep goes by its own rule for that (levels.h).
-            if (Sweep::of(set)) {
-                EXPECT_TRUE(unknown.empty());
+            const auto [arrangement, coverage] = slice_facts_of(set, default_max_gap, context);
+            // Slices come in turn; the first of the second structure and the last of the first lie at an end.
+            if (arrangement.is_stack()) {
+                for (std::uint32_t s = 1; s + 1 < set.slices.size(); ++s)
+                    EXPECT_EQ(coverage.at(s, s % 2 == 0 ? 1 : 0), Coverage::unknown) << s;
                 continue;
             }
             ++tried;
-            // Slices come in turn; the first of the second structure and the last of the first lie at an end.
             for (std::uint32_t s = 1; s + 1 < set.slices.size(); ++s) {
                 const std::uint32_t other = s % 2 == 0 ? 1 : 0;
-                EXPECT_TRUE(unknown.contains(s, other)) << s;
-                EXPECT_FALSE(unknown.contains(s, 1 - other)) << s;
+                EXPECT_EQ(coverage.at(s, other), Coverage::unknown) << s;
+                EXPECT_EQ(coverage.at(s, 1 - other), Coverage::drawn) << s;
             }
         }
     }
     EXPECT_GE(tried, 2);
 }
 
-TEST(UnknownCoverage, planes_that_all_draw_a_structure_leave_nothing_unsaid) {
+TEST(CrossingCoverage, planes_that_all_draw_a_structure_leave_nothing_unsaid) {
     RunContext context;
-    for (const double degrees : {0.2, 2.5})
-        EXPECT_TRUE(UnknownCoverage::of(two_stacks(degrees, 0.3, true), context).empty());
+    for (const double degrees : {0.2, 2.5}) {
+        const ContourSet set = two_stacks(degrees, 0.3, true);
+        EXPECT_FALSE(slice_facts_of(set, default_max_gap, context).coverage.has_unknown());
+    }
 }
 
 // Of a structure that is missing on single slices of its stack these say that it is not there.
-TEST(UnknownCoverage, a_slice_that_is_left_out_of_many_says_outside) {
+TEST(CrossingCoverage, a_slice_that_is_left_out_of_many_says_outside) {
     ContourSet set = two_stacks(0.2, 0.3, true);
     std::vector<Contour> kept;
     for (const Contour& contour : set.contours) {
@@ -85,8 +85,7 @@ TEST(UnknownCoverage, a_slice_that_is_left_out_of_many_says_outside) {
         if (slice.contour_count++ == 0) slice.first_contour = n;
     }
     RunContext context;
-    const UnknownCoverage unknown = UnknownCoverage::of(set, context);
-    EXPECT_TRUE(unknown.empty() || !unknown.contains(10, 1));
+    EXPECT_EQ(slice_facts_of(set, default_max_gap, context).coverage.at(10, 1), Coverage::absent);
 }
 
 }  // namespace
