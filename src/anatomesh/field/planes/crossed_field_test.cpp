@@ -120,7 +120,10 @@ TEST(CrossedField, planes_that_agree_leave_the_stack_what_it_is) {
         const ContourSet set = ball_on(planes, radius);
         const double mean = error(*field_of(set), worst);
         RunContext context;
-        const double general = error(*make_general_field(set, {}, context).value(), worst_general);
+        const double general = error(
+            *make_general_field(set, slice_facts_of(set, default_max_gap, context).coverage, {}, context)
+                 .value(),
+            worst_general);
         EXPECT_LT(mean, 1.15 * alone);
         EXPECT_LT(worst, 1.15 * worst_alone);
         EXPECT_LT(mean, 0.7 * general) << worst_general;
