@@ -13,7 +13,7 @@ namespace anatomesh {
 // Requires: a kept contour set (see ContourSet). The set must outlive nothing: the field copies what it
 // needs. Errors: geometry E-FLD-001 no contours, E-FLD-002 none encloses an area, E-FLD-003 a single slice
 // without thickness. Parallel slices: exact signed distances to the polygons, clamped and blended along
-// the boundary's motion (slice_motion.h); a sweep (sweep.h): the same in straight coordinates; slices about
+// the boundary's motion (slice_motion.h); a sweep (sweep.h): the same in chart coordinates; slices about
 // an axis: rotational_field.h; a few planes across stacks and sweeps: crossed_field.h; structures that lie in
 // others and take their place: nested_field.h. Planes in any position: see docs/stages/05b-field-of-other-arrangements.md.
 // `slices`: of the set, with the gap that the options join.

@@ -15,7 +15,7 @@
 #include "anatomesh/contour/simplify/simplify.h"
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/planes/plane_trace.h"
-#include "anatomesh/field/stack/levels.h"
+#include "anatomesh/field/stack/slice_knots.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
@@ -197,8 +197,8 @@ class Outlines {
             if (alone.slices[intervals[i].slice].contour_count > 0) drawn.push_back(i);
         }
         const std::vector<StructurePart> parts =
-            parts_of(structure_levels(intervals, drawn, false, median_spacing(alone), options_,
-                                      {heights_left_out(alone, 0, frame.origin, frame.normal), {}, {}}));
+            parts_of(structure_knots(intervals, drawn, false, median_spacing(alone), options_,
+                                     {heights_left_out(alone, 0, frame.origin, frame.normal), {}, {}}));
         for (const std::uint32_t k : slices) {
             const double height = frame.signed_distance(set_.slices[k].plane.origin);
             if (std::any_of(parts.begin(), parts.end(), [&](const StructurePart& part) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "anatomesh/field/stack/levels.h"
+#include "anatomesh/field/stack/slice_knots.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
@@ -40,9 +40,9 @@ GapDoubts::GapDoubts(const ContourSet& set, const FieldOptions& options)
     SliceArrangement arrangement = arrangement_of(set);
     if (!arrangement.is_stack()) return;
     sweep_ = std::move(arrangement.sweep);
-    const ContourSet stack = sweep_ ? sweep_->straight(set) : set;
+    const ContourSet stack = sweep_ ? sweep_->to_chart(set) : set;
     frame_ = stack.slices.front().plane;
-    if (sweep_) frame_.origin = {};  // straight heights are heights above 0
+    if (sweep_) frame_.origin = {};  // chart heights are heights above 0
     const std::vector<SliceInterval> intervals = parallel_intervals(stack, frame_);
     const std::vector<std::vector<double>> areas = drawn_areas(set);
     const double spacing = median_spacing(stack);
@@ -53,14 +53,14 @@ GapDoubts::GapDoubts(const ContourSet& set, const FieldOptions& options)
             if (areas[s][intervals[i].slice] > 0) drawn.push_back(i);
         }
         if (drawn.empty()) continue;
-        const StructureLevels found =
-            structure_levels(intervals, drawn, set.exclusive, spacing, options,
-                             {heights_left_out(stack, s, frame_.origin, frame_.normal), {}, {}});
+        const StructureKnots found =
+            structure_knots(intervals, drawn, set.exclusive, spacing, options,
+                            {heights_left_out(stack, s, frame_.origin, frame_.normal), {}, {}});
         for (const auto& [low, high] : found.open_gaps) {
             // Empty levels stand a spacing from both sides.
             const auto below =
-                std::find_if(found.levels.begin(), found.levels.end(),
-                             [&, from = low](const Level& level) { return level.high > from; });
+                std::find_if(found.knots.begin(), found.knots.end(),
+                             [&, from = low](const SliceKnot& level) { return level.high > from; });
             const auto above = below + 1;
             const auto slice_at = [&](double height) {
                 return std::find_if(intervals.begin(), intervals.end(),
@@ -75,7 +75,7 @@ GapDoubts::GapDoubts(const ContourSet& set, const FieldOptions& options)
 }
 
 double GapDoubts::height_of(Vec3 p) const {
-    return frame_.signed_distance(sweep_ ? sweep_->straight(p) : p);
+    return frame_.signed_distance(sweep_ ? sweep_->to_chart(p) : p);
 }
 
 double GapDoubts::doubt(const Gap& gap) const {

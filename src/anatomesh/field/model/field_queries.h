@@ -16,8 +16,8 @@ namespace anatomesh {
 // slice that has it and one that has it not, the signed distance from its half of the gap.
 struct RawValue {
     double value;
-    double beyond_end = -std::numeric_limits<double>::infinity();
-    double ending = std::numeric_limits<double>::infinity();
+    double beyond_flat_cap = -std::numeric_limits<double>::infinity();
+    double to_own_half_gap = std::numeric_limits<double>::infinity();
 };
 
 // Source gives, with values that beyond +-reach tell the side alone:
@@ -89,7 +89,7 @@ class FieldQueries : public StructureField {
         if (Source::sides_cost_less && take_lone_owner(p, out)) return;
         Best best;
         source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
-        if (best.owner() != nobody && best.beyond_end() < 0) out.push_back(best.owner());
+        if (best.owner() != nobody && best.beyond_flat_cap() < 0) out.push_back(best.owner());
     }
 
     double interface_distance(Vec3 p) const final {
@@ -117,7 +117,7 @@ class FieldQueries : public StructureField {
         Best best;
         source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
         return clipped(
-            {source().raw_union(p, everywhere), best.owner() == nobody ? never : best.beyond_end()});
+            {source().raw_union(p, everywhere), best.owner() == nobody ? never : best.beyond_flat_cap()});
     }
 
     double members_and_distance(Vec3 p, std::vector<std::uint32_t>& out) const final {
@@ -135,7 +135,7 @@ class FieldQueries : public StructureField {
         source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
         if (best.owner() == nobody) return clamp_;
         const double all = source().raw_union(p, everywhere);
-        if (all < 0 && best.beyond_end() < 0) out.push_back(best.owner());
+        if (all < 0 && best.beyond_flat_cap() < 0) out.push_back(best.owner());
         return wall_distance(best, all);
     }
 
@@ -156,10 +156,10 @@ class FieldQueries : public StructureField {
     // end.
     struct Rival {
         double value;
-        double ending = nowhere;
+        double to_own_half_gap = nowhere;
         void take(RawValue raw) {
             value = std::min(value, raw.value);
-            ending = std::min(ending, raw.ending);
+            to_own_half_gap = std::min(to_own_half_gap, raw.to_own_half_gap);
         }
     };
 
@@ -169,7 +169,7 @@ class FieldQueries : public StructureField {
         static constexpr double most = std::numeric_limits<double>::max();
         std::uint32_t structure = nobody, next = nobody, ender = nobody;
         RawValue first{most}, end{most};
-        double second = most, second_ending = nowhere;
+        double second = most, second_to_half_gap = nowhere;
 
         void take(std::uint32_t s, RawValue raw) {
             if (raw.value < first.value) {
@@ -181,21 +181,25 @@ class FieldQueries : public StructureField {
                 second = raw.value;
                 next = s;
             }
-            if (raw.ending < end.ending) {
-                second_ending = end.ending;
+            if (raw.to_own_half_gap < end.to_own_half_gap) {
+                second_to_half_gap = end.to_own_half_gap;
                 end = raw;
                 ender = s;
             } else {
-                second_ending = std::min(second_ending, raw.ending);
+                second_to_half_gap = std::min(second_to_half_gap, raw.to_own_half_gap);
             }
         }
-        std::uint32_t owner() const { return end.ending < 0 ? ender : structure; }
-        double beyond_end() const { return end.ending < 0 ? end.beyond_end : first.beyond_end; }
+        std::uint32_t owner() const { return end.to_own_half_gap < 0 ? ender : structure; }
+        double beyond_flat_cap() const {
+            return end.to_own_half_gap < 0 ? end.beyond_flat_cap : first.beyond_flat_cap;
+        }
         // Of the structure s, whose raw value is `raw`.
         double value_of(const FieldQueries& field, std::uint32_t s, double raw, double all) const {
             return field.owned(
-                {raw, s == owner() ? beyond_end() : never, s == ender ? end.ending : nowhere},
-                {s == structure ? second : first.value, s == ender ? second_ending : end.ending}, all);
+                {raw, s == owner() ? beyond_flat_cap() : never, s == ender ? end.to_own_half_gap : nowhere},
+                {s == structure ? second : first.value,
+                 s == ender ? second_to_half_gap : end.to_own_half_gap},
+                all);
         }
     };
 
@@ -203,16 +207,16 @@ class FieldQueries : public StructureField {
     // value is the smallest. False where they do not tell.
     bool take_lone_owner(Vec3 p, std::vector<std::uint32_t>& out) const {
         std::uint32_t owner = nobody;
-        double beyond_end = never;
+        double beyond_flat_cap = never;
         bool is_clear = true;
         source().each_raw(p, 0, [&](std::uint32_t s, RawValue raw) {
-            is_clear = is_clear && raw.ending == nowhere && (owner == nobody || !(raw.value < 0));
+            is_clear = is_clear && raw.to_own_half_gap == nowhere && (owner == nobody || !(raw.value < 0));
             if (!(raw.value < 0)) return;
             owner = s;
-            beyond_end = raw.beyond_end;
+            beyond_flat_cap = raw.beyond_flat_cap;
         });
         if (!is_clear || owner == nobody) return false;
-        if (beyond_end < 0) out.push_back(owner);
+        if (beyond_flat_cap < 0) out.push_back(owner);
         return true;
     }
 
@@ -230,12 +234,15 @@ class FieldQueries : public StructureField {
         return nearest;
     }
     double clipped(RawValue raw) const {
-        return std::clamp(std::max(raw.value, raw.beyond_end), -clamp_, clamp_);
+        return std::clamp(std::max(raw.value, raw.beyond_flat_cap), -clamp_, clamp_);
     }
     double owned(RawValue own, Rival other, double all) const {
-        const double nearer = std::max(0.5 * (own.value - std::min(other.value, clamp_)), -other.ending);
-        return clipped({std::max(all, own.ending < other.ending ? std::min(nearer, own.ending) : nearer),
-                        own.beyond_end});
+        const double nearer =
+            std::max(0.5 * (own.value - std::min(other.value, clamp_)), -other.to_own_half_gap);
+        return clipped(
+            {std::max(all, own.to_own_half_gap < other.to_own_half_gap ? std::min(nearer, own.to_own_half_gap)
+                                                                       : nearer),
+             own.beyond_flat_cap});
     }
 };
 

@@ -24,7 +24,7 @@ struct VolumeOptions {
 // The volume of every structure by the integral of the field's cross-sections.
 // Parallel slices: slice integration of the drawn areas, which are exact, plus the integral of the difference
 // between it and the field, which is not zero only where the two contours differ; along the normal by
-// five values, nine where the surface bows much (where structures of an exclusive set meet: 12 sections), in
+// five values, nine where the surface curves much (where structures of an exclusive set meet: 12 sections), in
 // the plane on a lattice that no straight wall runs along, whose points stand for columns a step wide. Planes
 // in any position: a lattice in space over the box of each. Error: some 0.01 %. Guarantees:
 // the same at any thread count. Errors: cancelled.

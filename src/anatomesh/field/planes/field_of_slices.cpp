@@ -7,8 +7,8 @@
 #include "anatomesh/field/planes/general_field.h"
 #include "anatomesh/field/planes/rotational_field.h"
 #include "anatomesh/field/stack/stack_field.h"
+#include "anatomesh/field/warnings/displaced_slices.h"
 #include "anatomesh/field/warnings/missing_slices.h"
-#include "anatomesh/field/warnings/shifted_slices.h"
 
 namespace anatomesh {
 
@@ -23,7 +23,7 @@ Result<std::shared_ptr<const StructureField>> make_field_of_slices(const Contour
     const SliceArrangement& arrangement = slices.arrangement;
     if (arrangement.kind == ArrangementKind::about_axis)
         return make_rotational_field(set, slices, options, context);
-    warn_about_shifted_slices(set, context);
+    warn_about_displaced_slices(set, context);
     if (arrangement.kind == ArrangementKind::stack_and_crossing)
         return make_crossed_field(set, slices, options, context);
     warn_about_missing_slices(set, arrangement.axis, context);

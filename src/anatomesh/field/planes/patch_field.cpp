@@ -70,7 +70,7 @@ void PatchField::end(PatchView& view) const {
         for (const SeenPatch& near : view.patches()) {
             const PatchMaps& patch = patches_[near.patch];
             if (near.distance == 0 && caps_ == EndCaps::flat && (patch.open_below || patch.open_above))
-                view.beyond_end = 0;
+                view.beyond_flat_cap = 0;
         }
         return;
     }
@@ -79,8 +79,8 @@ void PatchField::end(PatchView& view) const {
     for (const SeenPatch& near : view.patches()) {
         const PatchMaps& patch = patches_[near.patch];
         if (near.lateral > 0) continue;
-        if (patch.open_above) view.beyond_end = std::max(view.beyond_end, near.height - half);
-        if (patch.open_below) view.beyond_end = std::max(view.beyond_end, -near.height - half);
+        if (patch.open_above) view.beyond_flat_cap = std::max(view.beyond_flat_cap, near.height - half);
+        if (patch.open_below) view.beyond_flat_cap = std::max(view.beyond_flat_cap, -near.height - half);
     }
     const PatchMaps& first = patches_[view.near[0].patch];
     const bool is_open = view.near[0].height > 0 ? first.open_above : first.open_below;

@@ -38,7 +38,7 @@ struct PatchView {
     std::array<SeenPatch, PatchGrid::most_near> near;  // the first `count`
     std::uint32_t count = 0;
     double outside = 0;  // weight of "outside"
-    double beyond_end = -std::numeric_limits<double>::infinity();
+    double beyond_flat_cap = -std::numeric_limits<double>::infinity();
     double rounded_at = 0, rounded_radius = 0;  // height in a rounded end, and the radius; 0 elsewhere
 
     std::span<const SeenPatch> patches() const { return {near.data(), count}; }
@@ -67,7 +67,7 @@ class PatchField final : public FieldQueries<PatchField> {
     static constexpr bool sides_cost_less = false;
     RawValue raw(std::uint32_t structure, Vec3 p, double /*reach*/) const {
         const PatchView view = look(p);
-        return {blend(structure, view), view.beyond_end};
+        return {blend(structure, view), view.beyond_flat_cap};
     }
     double raw_union(Vec3 p, double /*reach*/) const { return blend(union_, look(p)); }
 
@@ -76,7 +76,7 @@ class PatchField final : public FieldQueries<PatchField> {
         const PatchView view = look(p);
         for (std::uint32_t s = next_structure(view, 0); s != no_structure; s = next_structure(view, s + 1)) {
             const double value = blend(s, view);
-            if (value < clamp_) body(s, RawValue{value, view.beyond_end});
+            if (value < clamp_) body(s, RawValue{value, view.beyond_flat_cap});
         }
     }
 

@@ -27,14 +27,14 @@ using Field = std::shared_ptr<const StructureField>;
 
 // Where a point is.
 struct Place {
-    Vec3 straight;
+    Vec3 in_chart;
     double near = 0;  // 1 near the axis, 0 away from it
 };
 
 // What both fields know of places.
 struct Parts {
     RotationalSweep sweep;
-    Field away;  // in straight coordinates
+    Field away;  // in chart coordinates
     Field near;
     double near_spacing = 0;  // slices nearer to each other are near the axis
 
@@ -42,7 +42,7 @@ struct Parts {
     Place place(Vec3 p) const {
         const double radius = std::max(near_spacing / sweep.angle(p), sweep.apart_from(p));
         const double share = std::clamp(2 - sweep.radius(p) / radius, 0.0, 1.0);
-        return {share < 1 ? sweep.straight(p) : Vec3{}, share};
+        return {share < 1 ? sweep.to_chart(p) : Vec3{}, share};
     }
 };
 
@@ -60,12 +60,12 @@ class BlendedField final : public FieldQueries<BlendedField> {
     static constexpr bool sides_cost_less = false;
     RawValue raw(std::uint32_t structure, Vec3 p, double /*reach*/) const {
         const Place at = parts_->place(p);
-        return {blended(at, parts_->near->value(structure, p), parts_->away->value(structure, at.straight))};
+        return {blended(at, parts_->near->value(structure, p), parts_->away->value(structure, at.in_chart))};
     }
 
     double raw_union(Vec3 p, double /*reach*/) const {
         const Place at = parts_->place(p);
-        return blended(at, parts_->near->union_value(p), parts_->away->union_value(at.straight));
+        return blended(at, parts_->near->union_value(p), parts_->away->union_value(at.in_chart));
     }
 
     template <class Body>
@@ -73,7 +73,7 @@ class BlendedField final : public FieldQueries<BlendedField> {
         const Place at = parts_->place(p);
         std::vector<Near> near, away;
         parts_->near->values_near(p, near);
-        parts_->away->values_near(at.straight, away);
+        parts_->away->values_near(at.in_chart, away);
         const auto value_in = [&](const std::vector<Near>& list, std::size_t& n, std::uint32_t s) {
             return n < list.size() && list[n].structure == s ? list[n++].value : clamp_;
         };
@@ -99,14 +99,14 @@ class RotationalField final : public StructureField {
     auto ask(Vec3 p, Ask question) const {
         const Place at = parts_->place(p);
         const StructureField& field = at.near == 0 ? *parts_->away : at.near == 1 ? *parts_->near : between_;
-        return question(field, at.near == 0 ? at.straight : p);
+        return question(field, at.near == 0 ? at.in_chart : p);
     }
 
   public:
-    RotationalField(Parts parts, const ContourSet& set, const ContourSet& straightened)
+    RotationalField(Parts parts, const ContourSet& set, const ContourSet& charted)
         : parts_(std::make_shared<const Parts>(std::move(parts))), between_(parts_) {
         // How far beyond the contours' box the field reaches.
-        const Box3 inner = straightened.box(), outer = parts_->away->box();
+        const Box3 inner = charted.box(), outer = parts_->away->box();
         const double reach = std::max({inner.low.x - outer.low.x, inner.low.y - outer.low.y,
                                        outer.high.x - inner.high.x, outer.high.y - inner.high.y, 0.0});
         box_ = grown(set.box(), parts_->near->box(), reach);
@@ -192,7 +192,7 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(const Contou
     FieldOptions near = options;
     near.least_reach_mm = reach_across_axis * parts.sweep.beside();
     ANATOMESH_TRY(parts.near, make_general_field(set, slices.coverage, near, context));
-    RunContext apart;  // its warnings are those of the field near the axis, or of straight coordinates
+    RunContext apart;  // its warnings are those of the field near the axis, or of chart coordinates
     apart.threads = context.threads;
     apart.cancel = context.cancel;
     if (slices.coverage.has_unknown()) {
@@ -200,15 +200,15 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(const Contou
         return parts.near;
     }
     warn_about_gaps(set, parts.sweep, context);
-    const ContourSet straightened = parts.sweep.straight(set);
-    FieldOptions straight = options;
-    straight.clamp_mm = parts.near->clamp();
-    straight.max_gap_spacings = any_gap;
-    straight.every_slice_covers = true;
-    ANATOMESH_TRY(parts.away, make_parallel_field(straightened, straight, apart));
+    const ContourSet charted = parts.sweep.to_chart(set);
+    FieldOptions in_chart = options;
+    in_chart.clamp_mm = parts.near->clamp();
+    in_chart.max_gap_spacings = any_gap;
+    in_chart.every_slice_covers = true;
+    ANATOMESH_TRY(parts.away, make_parallel_field(charted, in_chart, apart));
     parts.near_spacing = near_vertices * mean_vertex_spacing(set);
     return std::shared_ptr<const StructureField>(
-        std::make_shared<RotationalField>(std::move(parts), set, straightened));
+        std::make_shared<RotationalField>(std::move(parts), set, charted));
 }
 
 }  // namespace anatomesh

@@ -6,7 +6,7 @@
 
 namespace anatomesh {
 
-// The field of parallel slices (parallel_field.h) in the sweep's straight coordinates; near the axis, where
+// The field of parallel slices (parallel_field.h) in the sweep's chart coordinates; near the axis, where
 // slices are nearer to each other than vertices along the contours are in the mean, or cross, that of planes
 // in any position (general_field.h), which takes the mean of them. From one to the other their values are
 // blended, over as far again. The latter alone where a slice says nothing of a structure

@@ -15,8 +15,8 @@
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/slice_regions.h"
 #include "anatomesh/field/stack/caps.h"
-#include "anatomesh/field/stack/levels.h"
 #include "anatomesh/field/stack/paraboloid_caps.h"
+#include "anatomesh/field/stack/slice_knots.h"
 #include "anatomesh/field/stack/slice_motion.h"
 #include "anatomesh/field/stack/structure_stack.h"
 #include "anatomesh/field/stack/terminating_components.h"
@@ -42,7 +42,7 @@ std::string slice_text(const ContourSet& set, std::uint32_t slice) {
     return set.slices[slice].name.empty() ? "slice " + std::to_string(slice) : set.slices[slice].name;
 }
 
-constexpr double much_bowed = 0.05;  // gaps: a column through such a bow is integrated in finer steps
+constexpr double much_curved = 0.05;  // gaps: a column through such a correction is integrated in finer steps
 
 class ParallelField final : public FieldQueries<ParallelField> {
   public:
@@ -103,8 +103,9 @@ class ParallelField final : public FieldQueries<ParallelField> {
 
     RawValue raw_at(std::uint32_t structure, Vec2 q, double z, double reach) const {
         const StructureStack& structure_stack = structure_stacks_[structure];
-        RawValue raw{clamp_, structure_stack.beyond_end(z)};
-        raw.value = structure_stack.blend(maps_, clamp_, q, z, reach, partition_ ? &raw.ending : nullptr);
+        RawValue raw{clamp_, structure_stack.beyond_flat_cap(z)};
+        raw.value =
+            structure_stack.blend(maps_, clamp_, q, z, reach, partition_ ? &raw.to_own_half_gap : nullptr);
         return raw;
     }
     StructureVolume pair_volume(std::uint32_t structure, const StructureStack::Pair& pair, double points,
@@ -153,7 +154,7 @@ Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
     for (std::vector<SliceRegion>& slice : regions) {
         for (SliceRegion& region : slice) {
             std::vector<std::int32_t>& row = map_of_[region.structure];
-            if (row.empty()) row.assign(set.slices.size(), empty_level);
+            if (row.empty()) row.assign(set.slices.size(), empty_knot);
             row[region.slice] = static_cast<std::int32_t>(jobs.size());
             jobs.push_back(&region);
             slice_of_map_.push_back(region.slice);
@@ -169,8 +170,8 @@ Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
     return Nothing{};
 }
 
-void warn_about_levels(const ContourSet& set, std::uint32_t structure, const StructureLevels& levels,
-                       RunContext& context) {
+void warn_about_knots(const ContourSet& set, std::uint32_t structure, const StructureKnots& knots,
+                      RunContext& context) {
     const std::string name = structure_text(set.structures[structure]);
     const auto warn_gap = [&](const std::pair<double, double>& gap, const char* code, const char* message,
                               const char* done) {
@@ -180,37 +181,37 @@ void warn_about_levels(const ContourSet& set, std::uint32_t structure, const Str
              {set.source, "", name, "", text(gap.first) + " to " + text(gap.second) + " mm along the normal"},
              done});
     };
-    for (const auto& gap : levels.open_gaps) {
+    for (const auto& gap : knots.open_gaps) {
         warn_gap(gap, "W-FLD-001", "slices are missing inside the structure",
                  "the two sides were not joined; --max-gap joins them");
     }
-    for (const auto& gap : levels.bridged_gaps) {
+    for (const auto& gap : knots.bridged_gaps) {
         warn_gap(gap, "W-FLD-002", "slices are missing inside the structure", "the gap was bridged");
     }
-    if (!levels.gaps_by_groups.empty()) {
-        const auto& first = levels.gaps_by_groups.front();
+    if (!knots.gaps_by_groups.empty()) {
+        const auto& first = knots.gaps_by_groups.front();
         context.warn({"W-FLD-009",
                       "slices come in pairs or groups, and what is drawn on the next one was joined to each",
                       {set.source, "", name, "",
-                       std::to_string(levels.gaps_by_groups.size()) + " gaps, the first from " +
+                       std::to_string(knots.gaps_by_groups.size()) + " gaps, the first from " +
                            text(first.first) + " to " + text(first.second) + " mm along the normal"},
                       "the gaps were bridged; parts that are apart are to be structures of their own"});
     }
-    if (set.drawn && !levels.not_drawn.empty()) {
+    if (set.drawn && !knots.not_drawn.empty()) {
         context.warn({"W-FLD-003",
                       "not drawn on every slice between its first and its last one",
-                      {set.source, set.slices[levels.not_drawn.front()].name, name, "",
-                       std::to_string(levels.not_drawn.size()) + " slices without it"},
+                      {set.source, set.slices[knots.not_drawn.front()].name, name, "",
+                       std::to_string(knots.not_drawn.size()) + " slices without it"},
                       "taken as empty there; slices that nobody drew on are left out by --without"});
     }
-    if (set.drawn && !levels.unknown.empty()) {
+    if (set.drawn && !knots.unknown.empty()) {
         context.warn({"W-FLD-012",
                       "drawn on slices of its own: others between these draw other structures and not it",
-                      {set.source, set.slices[levels.unknown.front()].name, name, "",
-                       std::to_string(levels.unknown.size()) + " slices without it"},
+                      {set.source, set.slices[knots.unknown.front()].name, name, "",
+                       std::to_string(knots.unknown.size()) + " slices without it"},
                       "taken to say nothing about it: it goes on through them"});
     }
-    if (levels.flat_island) {
+    if (knots.flat_island) {
         context.warn({"W-FLD-004",
                       "a part drawn on one slice alone cannot end flat",
                       {set.source, "", name, "", ""},
@@ -221,10 +222,10 @@ void warn_about_levels(const ContourSet& set, std::uint32_t structure, const Str
 void ParallelField::build_structure_stacks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
                                            const FieldOptions& options, RunContext& context) {
     structure_stacks_.resize(set.structures.size());
-    const auto levels_of = [&](std::uint32_t s, const std::vector<StructurePart>& parts) {
+    const auto knots_of = [&](std::uint32_t s, const std::vector<StructurePart>& parts) {
         std::vector<std::uint32_t> drawn;
         for (std::uint32_t i = 0; i < intervals.size(); ++i) {
-            if (map_of_[s][intervals[i].slice] != empty_level) drawn.push_back(i);
+            if (map_of_[s][intervals[i].slice] != empty_knot) drawn.push_back(i);
         }
         const bool is_union = s == set.structures.size();
         const bool every_slice = set.exclusive || options.every_slice_covers;
@@ -233,38 +234,38 @@ void ParallelField::build_structure_stacks(const ContourSet& set, const std::vec
         for (const std::uint32_t i : drawn) {
             if (!is_union && is_interpolated(set, intervals[i].slice, s)) evidence.interpolated.push_back(i);
         }
-        return structure_levels(intervals, drawn, every_slice, spacing_, options, evidence);
+        return structure_knots(intervals, drawn, every_slice, spacing_, options, evidence);
     };
     // Where some have slices of their own, others may end where they go on.
     std::vector<StructurePart> parts;
     for (std::uint32_t s = 0; s < structure_stacks_.size() && set.exclusive && has_interpolated(set); ++s) {
         if (map_of_[s].empty()) continue;
-        const std::vector<StructurePart> own = parts_of(levels_of(s, {}));
+        const std::vector<StructurePart> own = parts_of(knots_of(s, {}));
         parts.insert(parts.end(), own.begin(), own.end());
     }
     for (std::uint32_t s = 0; s < map_of_.size(); ++s) {
         if (map_of_[s].empty()) continue;
-        StructureLevels levels = levels_of(s, parts);
+        StructureKnots knots = knots_of(s, parts);
         const bool is_union = s == set.structures.size();
-        if (!is_union) warn_about_levels(set, s, levels, context);
+        if (!is_union) warn_about_knots(set, s, knots, context);
         (is_union ? union_ : structure_stacks_[s]) =
-            StructureStack(std::move(levels), map_of_[s], options.caps == EndCaps::rounded);
+            StructureStack(std::move(knots), map_of_[s], options.caps == EndCaps::rounded);
     }
 }
 
 // What a structure of a partition ends with is part of the union, though there it touches others that go on.
 void ParallelField::add_terminations_to_union(std::size_t i) {
     const StructureStack::Pair pair = union_.pair(i);
-    if (pair.below == empty_level || pair.above == empty_level) return;
+    if (pair.below == empty_knot || pair.above == empty_knot) return;
     for (const bool from_below : {true, false}) {
         const std::int32_t here = from_below ? pair.below : pair.above,
                            there = from_below ? pair.above : pair.below;
         const auto map = [&](std::int32_t m) {
-            return m == empty_level ? nullptr : &*maps_[static_cast<std::size_t>(m)];
+            return m == empty_knot ? nullptr : &*maps_[static_cast<std::size_t>(m)];
         };
         const auto slice_of = [&](std::int32_t m) { return slice_of_map_[static_cast<std::size_t>(m)]; };
         for (std::size_t s = 0; s < structure_stacks_.size(); ++s) {
-            if (map_of_[s].empty() || map_of_[s][slice_of(here)] == empty_level) continue;
+            if (map_of_[s].empty() || map_of_[s][slice_of(here)] == empty_knot) continue;
             union_.add_terminations(i,
                                     terminating_components_of_union(
                                         *map(map_of_[s][slice_of(here)]), map(map_of_[s][slice_of(there)]),
@@ -358,18 +359,18 @@ void ParallelField::warn_about_ambiguities(const ContourSet& set, RunContext& co
     }
 }
 
-// Buckets as fine as the levels lie; a structure is entered with the box of those maps that have a say there.
+// Buckets as fine as the knots lie; a structure is entered with the box of those maps that have a say there.
 void ParallelField::build_near_table() {
     double high = -std::numeric_limits<double>::infinity();
     low_ = -high;
-    std::size_t levels = 0;
+    std::size_t knots = 0;
     for (const StructureStack& structure_stack : structure_stacks_) {
         if (structure_stack.empty()) continue;
         low_ = std::min(low_, structure_stack.low());
         high = std::max(high, structure_stack.high());
-        structure_stack.each_stretch([&](double, double, std::size_t, double) { ++levels; });
+        structure_stack.each_stretch([&](double, double, std::size_t, double) { ++knots; });
     }
-    const std::size_t buckets = std::min<std::size_t>(2 * levels + 1, 4096);
+    const std::size_t buckets = std::min<std::size_t>(2 * knots + 1, 4096);
     inverse_bucket_ = static_cast<double>(buckets) / (high - low_);
     std::vector<std::vector<NearEntry>> entries(buckets);
     const auto bucket_of = [&](double z) {
@@ -424,7 +425,7 @@ Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterv
     return Nothing{};
 }
 
-// Whether no other structure reaches the column over q between two levels.
+// Whether no other structure reaches the column over q between two knots.
 bool ParallelField::is_alone(std::uint32_t structure, const StructureStack::Pair& pair, Vec2 q) const {
     const double last = static_cast<double>(bucket_begin_.size() - 2);
     const auto from =
@@ -475,17 +476,17 @@ std::array<double, 2> inside_halves(const Strip& strip, std::span<const double> 
     return {halves[0] / static_cast<double>(parts), halves[1] / static_cast<double>(parts)};
 }
 
-// The share of the column over q between two levels that is inside, less what slice integration gives it: a
-// half for each level on which q is inside. The column is `step` wide, the lattice's.
+// The share of the column over q between two knots that is inside, less what slice integration gives it: a
+// half for each knot on which q is inside. The column is `step` wide, the lattice's.
 double ParallelField::inside_share(std::uint32_t structure, const StructureStack::Pair& pair, Vec2 q,
                                    double step) const {
     const auto distance = [&](std::int32_t map) {
-        return map == empty_level ? clamp_ : maps_[static_cast<std::size_t>(map)]->value(q);
+        return map == empty_knot ? clamp_ : maps_[static_cast<std::size_t>(map)]->value(q);
     };
     const double a = distance(pair.below), b = distance(pair.above);
     const double rest_a = pair.rest[0] ? pair.rest[0]->value(q) : a,
                  rest_b = pair.rest[1] ? pair.rest[1]->value(q) : b;
-    // Where the boundary is further away on both levels than it moves and bows between them, nothing changes.
+    // Where the boundary is further away on both knots than it moves and curves between them, nothing changes.
     const double nearest = std::min(std::abs(a), std::abs(b));
     const bool alike =
         (a < 0) == (b < 0) && (a < 0) == (rest_a < 0) && (b < 0) == (rest_b < 0) && (a < 0 || !partition_);
@@ -493,18 +494,18 @@ double ParallelField::inside_share(std::uint32_t structure, const StructureStack
     const double gap = pair.above_low - pair.below_high;
     const SliceMotion::Path path = pair.motion->at(q, 0.5);
     const double move = std::min(2 * length(path.move), pair.motion->max_move());
-    const double bow =
-        std::min({2 * SliceMotion::largest_bow(path), pair.motion->max_bow(), 10 * most_bow * gap});
+    const double correction = std::min({2 * SliceMotion::largest_correction(path),
+                                        pair.motion->max_correction(), 10 * most_correction * gap});
     // Neighbours share what is between them by counted sections, so there a column is a line.
-    const Strip column{partition_ || pair.below == empty_level || pair.above == empty_level ? 0 : step};
-    if (alike && nearest > move + bow + 0.5 * column.width) return 0;
+    const Strip column{partition_ || pair.below == empty_knot || pair.above == empty_knot ? 0 : step};
+    if (alike && nearest > move + correction + 0.5 * column.width) return 0;
     const double by_slices = 0.5 * (column.inside(a) + column.inside(b));
     if (!partition_ || is_alone(structure, pair, q)) {
-        if (pair.below == empty_level || pair.above == empty_level)
+        if (pair.below == empty_knot || pair.above == empty_knot)
             return pair.rounded ? rounded_height(std::min(a, b), 0.5 * gap) / gap - by_slices : 0;
         const Vec3 foot = frame_.to_space(q) + pair.below_high * frame_.normal;
         std::array<double, 9> values{rest_a};
-        const std::size_t parts = bow > much_bowed * gap ? 8 : 4;
+        const std::size_t parts = correction > much_curved * gap ? 8 : 4;
         for (std::size_t k = 1; k < parts; ++k) {
             const double z = static_cast<double>(k) * gap / static_cast<double>(parts);
             const Vec3 p = foot + z * frame_.normal;
@@ -526,7 +527,8 @@ double ParallelField::inside_share(std::uint32_t structure, const StructureStack
         }
         return 0.5 * (halves[0] + halves[1]) - by_slices;
     }
-    if (std::min(a, b) > 0.25 * clamp_ + move + bow) return 0;  // what others leave between them is thinner
+    if (std::min(a, b) > 0.25 * clamp_ + move + correction)
+        return 0;  // what others leave between them is thinner
     constexpr int sections = 12;
     int inside = 0;
     std::vector<std::uint32_t> owners;
@@ -542,11 +544,11 @@ double ParallelField::inside_share(std::uint32_t structure, const StructureStack
 StructureVolume ParallelField::pair_volume(std::uint32_t structure, const StructureStack::Pair& pair,
                                            double points, std::size_t layer) const {
     const double gap = pair.above_low - pair.below_high;
-    if (structure_stacks_[structure].beyond_end(0.5 * (pair.below_high + pair.above_low)) > 0) return {};
+    if (structure_stacks_[structure].beyond_flat_cap(0.5 * (pair.below_high + pair.above_low)) > 0) return {};
     double area = 0, thickness = 0;
     Box2 box;
     for (const std::int32_t map : {pair.below, pair.above}) {
-        if (map == empty_level) continue;
+        if (map == empty_knot) continue;
         const DistanceMap& drawn = *maps_[static_cast<std::size_t>(map)];
         area += 0.5 * drawn.area();
         box.extend(drawn.region_box().low);
@@ -554,9 +556,10 @@ StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Struct
         if (map == pair.below) thickness = drawn.area() * (pair.below_high - pair.below_low);
     }
     StructureVolume volume{gap * area + thickness, gap * area + thickness};
-    const bool is_prism = !pair.rounded && (pair.below == empty_level || pair.above == empty_level);
+    const bool is_prism = !pair.rounded && (pair.below == empty_knot || pair.above == empty_knot);
     if (box.empty() || (!partition_ && is_prism)) return volume;
-    box = box.grown(pair.motion->max_move() + std::min(pair.motion->max_bow(), 10 * most_bow * gap) +
+    box = box.grown(pair.motion->max_move() +
+                    std::min(pair.motion->max_correction(), 10 * most_correction * gap) +
                     (partition_ ? 0.25 * clamp_ : 0));
     const double correction = lattice_integral(
         box, points, layer, [&](Vec2 q, double step) { return inside_share(structure, pair, q, step); });

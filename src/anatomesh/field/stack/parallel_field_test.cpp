@@ -347,7 +347,7 @@ std::vector<double> heights_through(const ContourSet& set, const Box3& box) {
     return heights;
 }
 
-// What a value within a reach says is what the value says; also where the boundary moves and bends.
+// What a value within a reach says is what the value says; also where the boundary moves and curves.
 TEST(ParallelField, values_within_a_reach_are_the_values) {
     RunContext context;
     std::size_t beyond = 0;

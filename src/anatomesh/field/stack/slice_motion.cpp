@@ -200,7 +200,7 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
             return std::abs(part->value(q)) <= nearest_share * std::abs(here);
         });
     };
-    const auto bend = [&](double here, double slope, const Beyond& beyond, Vec2 q, double limit) {
+    const auto curvature = [&](double here, double slope, const Beyond& beyond, Vec2 q, double limit) {
         if (beyond.map == nullptr) return 0.0;
         const double there = std::clamp(beyond.map->value(q), -limit, limit);
         return gap / (gap + beyond.gap) * ((there - here) * (gap / beyond.gap) + slope);
@@ -213,19 +213,21 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
             const double limit = std::min({gap, below.limit(), above.limit()});
             const double in_below = below.value(from), in_above = above.value(to);
             const double a = std::clamp(in_below, -limit, limit), b = std::clamp(in_above, -limit, limit);
-            const double bend_below =
+            const double curvature_below =
                 ends(further_below, from, in_below)
                     ? 0
-                    : -fade * bend(a, b - a, further_below, from - (further_below.gap / gap) * move, limit);
-            const double bend_above =
+                    : -fade *
+                          curvature(a, b - a, further_below, from - (further_below.gap / gap) * move, limit);
+            const double curvature_above =
                 ends(further_above, to, in_above)
                     ? 0
-                    : fade * bend(b, a - b, further_above, to + (further_above.gap / gap) * move, limit);
+                    : fade * curvature(b, a - b, further_above, to + (further_above.gap / gap) * move, limit);
             nodes_[static_cast<std::size_t>(j) * lattice.nx + i] = {
-                static_cast<float>(move.x), static_cast<float>(move.y), static_cast<float>(bend_below),
-                static_cast<float>(bend_above)};
+                static_cast<float>(move.x), static_cast<float>(move.y), static_cast<float>(curvature_below),
+                static_cast<float>(curvature_above)};
             max_move_ = std::max(max_move_, length(move));
-            max_bow_ = std::max(max_bow_, largest_bow({move, bend_below, bend_above}));
+            max_correction_ =
+                std::max(max_correction_, largest_correction({move, curvature_below, curvature_above}));
         }
     }
     overlaps_ = regions_overlap(below_side, below, above_side, above);

@@ -1,4 +1,4 @@
-// SliceMotion: how the drawn region of a structure moves and bends between two neighbouring slices.
+// SliceMotion: how the drawn region of a structure moves and curves between two neighbouring slices.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ namespace anatomesh {
 // Image Underst. 89, 2003). A piece whose match does not lead back to it has little say. Where nothing is
 // matched the motion fades to 0.
 //
-// `bend_below` and `bend_above` say how the path through the point bends at either end: the change of slope
+// `curvature_below` and `curvature_above` say how the path through the point curves at either end: the change of slope
 // of the distance that the slice beyond adds, as in a cubic through four slices (Catmull and Rom, 1974).
 //
 // Immutable after build; queries are const and thread-safe. Guarantees: continuous in the plane; the same for
@@ -30,7 +30,7 @@ class SliceMotion {
   public:
     struct Path {
         Vec2 move;
-        double bend_below = 0, bend_above = 0;
+        double curvature_below = 0, curvature_above = 0;
     };
     // A slice beyond the two and its distance from the nearer of them; map null: no slice there. `ending`:
     // the parts of the nearer one that end before it (terminating_components()): it says nothing of them.
@@ -53,10 +53,10 @@ class SliceMotion {
     }
 
     double max_move() const { return max_move_; }  // no path moves further, mm
-    // No bow t (1 - t) ((1 - t) bend_below - t bend_above) of a path is larger, mm; of those with its bends.
-    double max_bow() const { return max_bow_; }
-    static double largest_bow(const Path& path) {
-        return 4.0 / 27 * (std::abs(path.bend_below) + std::abs(path.bend_above));
+    // No correction t (1 - t) ((1 - t) curvature_below - t curvature_above) of a path is larger, mm; of those with its curvature.
+    double max_correction() const { return max_correction_; }
+    static double largest_correction(const Path& path) {
+        return 4.0 / 27 * (std::abs(path.curvature_below) + std::abs(path.curvature_above));
     }
     bool overlaps() const {
         return overlaps_;
@@ -84,7 +84,7 @@ class SliceMotion {
     }
 
     Vec2 low_;
-    double step_ = 1, inverse_step_ = 1, max_move_ = 0, max_bow_ = 0;
+    double step_ = 1, inverse_step_ = 1, max_move_ = 0, max_correction_ = 0;
     std::uint32_t cells_x_ = 0, cells_y_ = 0;
     bool overlaps_ = true;
     std::vector<Ambiguity> ambiguities_;

@@ -2,7 +2,7 @@
 
 #include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/field/stack/swept_field.h"
-#include "anatomesh/field/warnings/shifted_slices.h"
+#include "anatomesh/field/warnings/displaced_slices.h"
 
 namespace anatomesh {
 
@@ -11,11 +11,11 @@ Result<std::shared_ptr<const StructureField>> make_stack_field(const ContourSet&
                                                                const FieldOptions& options,
                                                                RunContext& context) {
     if (arrangement.is_parallel()) {
-        warn_about_shifted_slices(set, context);
+        warn_about_displaced_slices(set, context);
         return make_parallel_field(set, options, context);
     }
     if (arrangement.sweep) {
-        warn_about_shifted_slices(set, context);
+        warn_about_displaced_slices(set, context);
         return make_swept_field(*arrangement.sweep, set, options, context);
     }
     return std::shared_ptr<const StructureField>();

@@ -27,28 +27,28 @@ void take_out(std::vector<Edge2>& region, const TerminatingComponent& part) {
 
 }  // namespace
 
-StructureStack::StructureStack(StructureLevels levels, const std::vector<std::int32_t>& map_of_slice,
+StructureStack::StructureStack(StructureKnots knots, const std::vector<std::int32_t>& map_of_slice,
                                bool rounded)
-    : flat_(std::move(levels.flat)), rounded_(rounded) {
-    for (const Level& level : levels.levels) {
-        levels_.push_back({level.low, level.high,
-                           level.slice == Level::no_slice ? empty_level : map_of_slice[level.slice]});
+    : flat_(std::move(knots.flat)), rounded_(rounded) {
+    for (const SliceKnot& knot : knots.knots) {
+        knots_.push_back(
+            {knot.low, knot.high, knot.slice == SliceKnot::no_slice ? empty_knot : map_of_slice[knot.slice]});
     }
-    motions_.resize(levels_.size() - 1);
-    terminations_.resize(levels_.size() - 1);
-    terminating_boxes_.resize(levels_.size() - 1);
-    rest_.resize(levels_.size() - 1);
+    motions_.resize(knots_.size() - 1);
+    terminations_.resize(knots_.size() - 1);
+    terminating_boxes_.resize(knots_.size() - 1);
+    rest_.resize(knots_.size() - 1);
     is_flat_ = std::any_of(flat_.begin(), flat_.end(), [](const auto& e) { return std::isfinite(e.low); });
     const double length = high() - low();
-    buckets_.resize(4 * levels_.size());
+    buckets_.resize(4 * knots_.size());
     inverse_bucket_ = length > 0 ? static_cast<double>(buckets_.size()) / length : 0;
-    std::uint32_t level = 0;
+    std::uint32_t knot = 0;
     for (std::size_t b = 0; b < buckets_.size(); ++b) {
-        // One bucket early, so that rounding never starts the search beyond the level sought.
+        // One bucket early, so that rounding never starts the search beyond the knot sought.
         const double start =
             low() + (static_cast<double>(b) - 1) * length / static_cast<double>(buckets_.size());
-        while (level + 1 < levels_.size() && levels_[level + 1].low <= start) ++level;
-        buckets_[b] = level;
+        while (knot + 1 < knots_.size() && knots_[knot + 1].low <= start) ++knot;
+        buckets_[b] = knot;
     }
 }
 
@@ -118,7 +118,7 @@ void StructureStack::find_motion(std::size_t i, const Maps& maps) {
     SliceMotion::Beyond further_below, further_above;
     if (i > 0 && map_at(i - 1, maps)) further_below = {map_at(i - 1, maps), gap(i - 1), {}};
     if (map_at(i + 2, maps)) further_above = {map_at(i + 2, maps), gap(i + 1), {}};
-    // Where what ends is the nearest, the slice beyond says nothing about how a path bends.
+    // Where what ends is the nearest, the slice beyond says nothing about how a path curves.
     const auto add_ends = [&](std::size_t pair, bool from_below, SliceMotion::Beyond& beyond) {
         for (const Termination& lone : terminations_[pair]) {
             if (lone.from_below == from_below) beyond.ending.push_back(&lone.map);
@@ -139,24 +139,24 @@ void StructureStack::sort_terminations(std::size_t i) {
 
 ANATOMESH_CLONES double StructureStack::blend(const Maps& maps, double clamp, Vec2 q, double z, double reach,
                                               double* end, bool terminations) const {
-    if (levels_.empty() || !(z > low() && z < high())) return clamp;
+    if (knots_.empty() || !(z > low() && z < high())) return clamp;
     const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
     std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
-    while (i + 1 < levels_.size() && levels_[i + 1].low <= z) ++i;
-    const auto distance = [&](const Known& level, Vec2 at) {
-        return maps[static_cast<std::size_t>(level.map)]->value(at);
+    while (i + 1 < knots_.size() && knots_[i + 1].low <= z) ++i;
+    const auto distance = [&](const Known& knot, Vec2 at) {
+        return maps[static_cast<std::size_t>(knot.map)]->value(at);
     };
-    const Known& below = levels_[i];
+    const Known& below = knots_[i];
     if (z <= below.high) {
-        if (below.map == empty_level) return clamp;
+        if (below.map == empty_knot) return clamp;
         return maps[static_cast<std::size_t>(below.map)]->value_within(q, reach);
     }
-    const Known& above = levels_[i + 1];
+    const Known& above = knots_[i + 1];
     const double gap = above.low - below.high, t = (z - below.high) / gap;
-    if (below.map == empty_level && above.map == empty_level) return clamp;
-    if (below.map == empty_level || above.map == empty_level) {
-        const double away = above.map == empty_level ? t : 1 - t;
-        const double d = distance(above.map == empty_level ? below : above, q);
+    if (below.map == empty_knot && above.map == empty_knot) return clamp;
+    if (below.map == empty_knot || above.map == empty_knot) {
+        const double away = above.map == empty_knot ? t : 1 - t;
+        const double d = distance(above.map == empty_knot ? below : above, q);
         const double value = std::min(ending(d, away, gap, rounded_), clamp);
         if (end == nullptr || is_flat_) return value;
         *end = rounded_ ? value : std::max(d, (away - 0.5) * gap);
@@ -176,7 +176,8 @@ ANATOMESH_CLONES double StructureStack::blend(const Maps& maps, double clamp, Ve
     if (reach < clamp && (lone == terminating_count || !is_near_termination(i, lone, q, clamp))) {
         // A weighted mean of two distances is not below the smaller one.
         const DistanceMap::Bound in_a = a.bound(at_a), in_b = b.bound(at_b);
-        const double beyond = std::min(in_a.at_least, in_b.at_least) - std::abs(bow_of(t, path));
+        const double beyond =
+            std::min(in_a.at_least, in_b.at_least) - std::abs(curvature_correction(t, path));
         if (in_a.sign == in_b.sign && in_a.sign != 0 && beyond > reach)
             return in_a.sign * std::min(beyond, clamp);
     }
@@ -198,7 +199,7 @@ bool StructureStack::is_near_termination(std::size_t i, std::size_t first, Vec2 
     return false;
 }
 
-// A value between levels i and i + 1 with the parts that end there, first the holes, then the pieces.
+// A value between knots i and i + 1 with the parts that end there, first the holes, then the pieces.
 double StructureStack::with_terminations(std::size_t i, std::size_t first, Vec2 q, double t, double clamp,
                                          double value, double* end) const {
     const double gap = this->gap(i);

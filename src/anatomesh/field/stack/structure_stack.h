@@ -12,37 +12,37 @@
 
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/stack/caps.h"
-#include "anatomesh/field/stack/levels.h"
 #include "anatomesh/field/stack/paraboloid_caps.h"
+#include "anatomesh/field/stack/slice_knots.h"
 #include "anatomesh/field/stack/slice_motion.h"
 #include "anatomesh/field/stack/terminating_components.h"
 
 namespace anatomesh {
 
-inline constexpr std::int32_t empty_level = -1;
+inline constexpr std::int32_t empty_knot = -1;
 
-// A bow moves a surface by no more than this beyond nine tenths of the distances, in gaps; so by no more than
+// A correction moves a surface by no more than this beyond nine tenths of the distances, in gaps; so by no more than
 // ten times as much.
-inline constexpr double most_bow = 0.025;
+inline constexpr double most_correction = 0.025;
 
-// What the bends of a path add to the distance, before the bound of blend_distances().
-inline double bow_of(double t, const SliceMotion::Path& path) {
-    return t * (1 - t) * ((1 - t) * path.bend_below - t * path.bend_above);
+// What the curvature of a path add to the distance, before the bound of blend_distances().
+inline double curvature_correction(double t, const SliceMotion::Path& path) {
+    return t * (1 - t) * ((1 - t) * path.curvature_below - t * path.curvature_above);
 }
 
 // Between two slices, at the ends of a path from one to the other: the mean of their distances, weighted with
 // the nearness of the slice and of its contour. Its zero set is that of (1 - t) s(a) + t s(b) with s(d) = d /
-// (1 + |d| / softness): a contour without a counterpart is left at a steep angle. The bends of the path are
+// (1 + |d| / softness): a contour without a counterpart is left at a steep angle. The corrections of the path are
 // added as a cubic has them, but never so much that a path well inside at both ends leaves the structure, or
-// the other way round: a bend moves the surface by a share of the gap at most.
+// the other way round: a correction moves the surface by a share of the gap at most.
 inline double blend_distances(double a, double b, double t, double gap, double softness,
                               const SliceMotion::Path& path) {
     const double weight_a = (1 - t) * (softness + std::abs(b)), weight_b = t * (softness + std::abs(a));
     const double inverse = 1 / (weight_a + weight_b), ease = t * (1 - t);
     const double most =
-        0.9 * (weight_a * std::abs(a) + weight_b * std::abs(b)) * inverse + 4 * ease * most_bow * gap;
-    const double bow = bow_of(t, path);
-    return (weight_a * a + weight_b * b) * inverse + std::clamp(bow, -most, most);
+        0.9 * (weight_a * std::abs(a) + weight_b * std::abs(b)) * inverse + 4 * ease * most_correction * gap;
+    const double correction = curvature_correction(t, path);
+    return (weight_a * a + weight_b * b) * inverse + std::clamp(correction, -most, most);
 }
 
 // Between a slice (distance d, t = 0) and one on which the structure is not drawn at all, a gap away: it
@@ -51,7 +51,7 @@ inline double ending(double d, double t, double gap, bool rounded) {
     return rounded ? rounded_end(d, t * gap, 0.5 * gap) : (1 - t) * d + t * std::abs(d);
 }
 
-// The parts of a kind that end between two levels though the structure goes on beside them; where they end in
+// The parts of a kind that end between two knots though the structure goes on beside them; where they end in
 // a paraboloid cap, one part.
 struct Termination {
     DistanceMap map;  // of the parts alone
@@ -75,20 +75,20 @@ struct Termination {
     }
 };
 
-// A structure along the normal: its levels, each with its distance map, and a table from position to level.
+// A structure along the normal: its knots, each with its distance map, and a table from position to knot.
 // Immutable after build; queries are const and thread-safe.
 class StructureStack {
   public:
     using Maps = std::vector<std::optional<DistanceMap>>;
 
     StructureStack() = default;
-    StructureStack(StructureLevels levels, const std::vector<std::int32_t>& map_of_slice, bool rounded);
+    StructureStack(StructureKnots knots, const std::vector<std::int32_t>& map_of_slice, bool rounded);
 
-    bool empty() const { return levels_.empty(); }
-    double low() const { return levels_.front().low; }
-    double high() const { return levels_.back().high; }
+    bool empty() const { return knots_.empty(); }
+    double low() const { return knots_.front().low; }
+    double high() const { return knots_.back().high; }
 
-    // The structure at (q, z): the two levels around z, each with its clamped distance, blended. Where that
+    // The structure at (q, z): the two knots around z, each with its clamped distance, blended. Where that
     // lies beyond +-reach by what the maps' grids know, a number of the same sign beyond reach. Where it or a
     // part of it ends, `end` (of a partition) gets the signed distance from its half of the gap.
     // `terminations`: with the parts of it that end.
@@ -96,7 +96,7 @@ class StructureStack {
                  bool terminations = true) const;
 
     // How far z lies beyond the flat ends of its part; negative within.
-    double beyond_end(double z) const {
+    double beyond_flat_cap(double z) const {
         if (!is_flat_) return -std::numeric_limits<double>::infinity();
         std::size_t part = 0;
         while (z > flat_[part].until) ++part;
@@ -104,27 +104,27 @@ class StructureStack {
     }
 
     void add_flat_ends(std::vector<double>& heights) const {
-        for (const StructureLevels::Extent& part : flat_) {
+        for (const StructureKnots::Extent& part : flat_) {
             for (const double height : {part.low, part.high}) {
                 if (std::isfinite(height)) heights.push_back(height);
             }
         }
     }
 
-    std::size_t pair_count() const { return levels_.empty() ? 0 : levels_.size() - 1; }
+    std::size_t pair_count() const { return knots_.empty() ? 0 : knots_.size() - 1; }
 
-    // The parts that end between levels i and i + 1; both must be drawn, else nothing happens. `paraboloid
+    // The parts that end between knots i and i + 1; both must be drawn, else nothing happens. `paraboloid
     // caps`: those whose sections shrink end in paraboloid caps.
     void find_terminations(std::size_t i, const Maps& maps, double clamp, bool paraboloids);
     void add_terminations(std::size_t i, const std::vector<TerminatingComponent>& parts, bool from_below,
                           double clamp);
 
-    // How the structure moves between levels i and i + 1; both must be drawn, else nothing happens. Requires:
-    // find_terminations() for all levels.
+    // How the structure moves between knots i and i + 1; both must be drawn, else nothing happens. Requires:
+    // find_terminations() for all knots.
     void find_motion(std::size_t i, const Maps& maps);
     const SliceMotion& motion(std::size_t i) const { return motions_[i]; }
 
-    // Two neighbouring levels as the maps drawn there (empty_level: none) and the positions they reach.
+    // Two neighbouring knots as the maps drawn there (empty_knot: none) and the positions they reach.
     struct Pair {
         std::int32_t below, above;
         double below_low, below_high, above_low;
@@ -136,25 +136,20 @@ class StructureStack {
         bool rounded;  // how it ends where one of them is empty
     };
     Pair pair(std::size_t i) const {
-        return {levels_[i].map,
-                levels_[i + 1].map,
-                levels_[i].low,
-                levels_[i].high,
-                levels_[i + 1].low,
-                &motions_[i],
-                &terminations_[i],
-                {rest_[i][0].get(), rest_[i][1].get()},
-                rounded_};
+        return {
+            knots_[i].map,     knots_[i + 1].map, knots_[i].low,     knots_[i].high,
+            knots_[i + 1].low, &motions_[i],      &terminations_[i], {rest_[i][0].get(), rest_[i][1].get()},
+            rounded_};
     }
 
     // Calls body(z from, z to, map, how far the structure moves beside it) for the stretch of the axis on
     // which a map has a say.
     template <class Body>
     void each_stretch(Body body) const {
-        for (std::size_t i = 0; i < levels_.size(); ++i) {
-            if (levels_[i].map == empty_level) continue;
-            body(i > 0 ? levels_[i - 1].high : low(), i + 1 < levels_.size() ? levels_[i + 1].low : high(),
-                 static_cast<std::size_t>(levels_[i].map),
+        for (std::size_t i = 0; i < knots_.size(); ++i) {
+            if (knots_[i].map == empty_knot) continue;
+            body(i > 0 ? knots_[i - 1].high : low(), i + 1 < knots_.size() ? knots_[i + 1].low : high(),
+                 static_cast<std::size_t>(knots_[i].map),
                  std::max(i > 0 ? motions_[i - 1].max_move() : 0.0,
                           i < motions_.size() ? motions_[i].max_move() : 0.0));
         }
@@ -166,16 +161,16 @@ class StructureStack {
         std::int32_t map;
     };
 
-    const DistanceMap* map_at(std::size_t level, const Maps& maps) const {
-        return level < levels_.size() && levels_[level].map != empty_level
-                   ? &*maps[static_cast<std::size_t>(levels_[level].map)]
+    const DistanceMap* map_at(std::size_t knot, const Maps& maps) const {
+        return knot < knots_.size() && knots_[knot].map != empty_knot
+                   ? &*maps[static_cast<std::size_t>(knots_[knot].map)]
                    : nullptr;
     }
-    double gap(std::size_t i) const { return levels_[i + 1].low - levels_[i].high; }
-    // Takes those out of `parts`, of level i or i + 1, that end in paraboloid caps.
+    double gap(std::size_t i) const { return knots_[i + 1].low - knots_[i].high; }
+    // Takes those out of `parts`, of knot i or i + 1, that end in paraboloid caps.
     void add_paraboloid_caps(std::size_t i, std::vector<TerminatingComponent>& parts, bool from_below,
                              const Maps& maps, double clamp);
-    // Of the parts that end between levels i and i + 1, the first whose box holds q; their number if none
+    // Of the parts that end between knots i and i + 1, the first whose box holds q; their number if none
     // does.
     std::size_t first_termination(std::size_t i, Vec2 q) const {
         const std::vector<Box2>& boxes = terminating_boxes_[i];
@@ -189,14 +184,14 @@ class StructureStack {
                              double* end) const;
     void sort_terminations(std::size_t i);
 
-    std::vector<Known> levels_;
-    std::vector<SliceMotion> motions_;                    // between a level and the next
+    std::vector<Known> knots_;
+    std::vector<SliceMotion> motions_;                    // between a knot and the next
     std::vector<std::vector<Termination>> terminations_;  // the same, holes before pieces
     std::vector<std::vector<Box2>> terminating_boxes_;    // theirs: most points are in none
-    // The same: the regions of a level and the next without the parts that end in paraboloid caps between
+    // The same: the regions of a knot and the next without the parts that end in paraboloid caps between
     // them.
     std::vector<std::array<std::unique_ptr<const DistanceMap>, 2>> rest_;
-    std::vector<StructureLevels::Extent> flat_;
+    std::vector<StructureKnots::Extent> flat_;
     std::vector<std::uint32_t> buckets_;
     double inverse_bucket_ = 0;
     bool is_flat_ = false, rounded_ = false;

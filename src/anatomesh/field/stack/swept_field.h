@@ -6,7 +6,7 @@
 
 namespace anatomesh {
 
-// The field of parallel slices (parallel_field.h) in the sweep's straight coordinates. Requires: sweep of
+// The field of parallel slices (parallel_field.h) in the sweep's chart coordinates. Requires: sweep of
 // `set`, at least one contour.
 Result<std::shared_ptr<const StructureField>> make_swept_field(Sweep sweep, const ContourSet& set,
                                                                const FieldOptions& options,

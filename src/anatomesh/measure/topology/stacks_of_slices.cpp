@@ -23,7 +23,7 @@ std::optional<StackOfSlices> stack_of(const ContourSet& contours, const std::vec
     if (!sweep) return std::nullopt;
     const std::vector<std::uint32_t> order = sweep->order();
     StackOfSlices stack{std::move(*sweep), {}, {}, true};
-    stack.straight = chosen_slices(stack.sweep.straight(some), order);
+    stack.charted = chosen_slices(stack.sweep.to_chart(some), order);
     for (const std::uint32_t s : order) stack.slices.push_back(chosen[s]);
     return stack;
 }
@@ -92,11 +92,11 @@ std::vector<StackOfSlices> stacks_of_slices(const ContourSet& contours, const Sl
 
 std::vector<std::vector<std::uint8_t>> turns_in_gaps(const ContourSet& contours, const StackOfSlices& stack,
                                                      double tolerance_mm) {
-    const std::vector<Slice>& slices = stack.straight.slices;
+    const std::vector<Slice>& slices = stack.charted.slices;
     std::vector<double> levels;
     for (const Slice& slice : slices) levels.push_back(dot(slice.plane.origin, slices.front().plane.normal));
     const auto position_of = [&](Vec3 p) {
-        const double height = dot(stack.sweep.straight(p), slices.front().plane.normal);
+        const double height = dot(stack.sweep.to_chart(p), slices.front().plane.normal);
         const auto next = std::lower_bound(levels.begin(), levels.end(), height - tolerance_mm);
         const auto k = static_cast<std::uint32_t>(next - levels.begin());
         return 2 * k + (next != levels.end() && *next <= height + tolerance_mm);

@@ -11,7 +11,7 @@ namespace anatomesh {
 
 struct StackOfSlices {
     Sweep sweep;
-    ContourSet straight;                // these slices in its straight coordinates and its order
+    ContourSet charted;                 // these slices in its chart coordinates and its order
     std::vector<std::uint32_t> slices;  // of the set as given, in this order
     bool leads = true;  // the field goes by this stack; else it is one of planes in any position
 };

@@ -552,7 +552,7 @@ std::vector<TopologyMismatch> topology_check(std::span<const Vec3> points,
     std::vector<std::vector<TopologyMismatch>> by_stack;
     for (const StackOfSlices& stack : stacks_of_slices(contours, arrangement)) {
         heights.clear();
-        for (const Vec3& p : points) heights.push_back(stack.sweep.straight(p).z);
+        for (const Vec3& p : points) heights.push_back(stack.sweep.to_chart(p).z);
         std::vector<std::uint32_t> vertices;
         for (const std::uint32_t s : stack.slices) {
             for (const Contour& contour : contours.contours_of(contours.slices[s])) {
@@ -560,9 +560,9 @@ std::vector<TopologyMismatch> topology_check(std::span<const Vec3> points,
                 vertices.insert(vertices.end(), first, first + contour.point_count);
             }
         }
-        const auto turns = turns_in_gaps(contours, stack, on_plane_mm(stack.straight));
+        const auto turns = turns_in_gaps(contours, stack, on_plane_mm(stack.charted));
         by_stack.push_back(
-            tears_of_stack(heights, surfaces, stack.straight, vertices, whole_only, turns, threads));
+            tears_of_stack(heights, surfaces, stack.charted, vertices, whole_only, turns, threads));
         for (TopologyMismatch& tear : by_stack.back()) {
             tear.low_slice = stack.slices[tear.low_slice];
             tear.high_slice = stack.slices[tear.high_slice];

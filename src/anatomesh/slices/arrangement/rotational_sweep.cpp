@@ -104,7 +104,7 @@ void RotationalSweep::add_half_planes(const ContourSet& set, std::uint32_t s) {
         half.lean = -dot(direction_, half.plane.normal);
         double area = 0, round_axis = 0;
         for (const Contour& contour : set.contours_of(set.slices[s])) {
-            // As straight() will find them.
+            // As to_chart() will find them.
             double inmost = std::numeric_limits<double>::infinity(), outmost = -inmost;
             for (const Vec3& p : set.points_of(contour)) {
                 half.low = std::min(half.low, half.plane.signed_distance(p));
@@ -256,7 +256,7 @@ double RotationalSweep::height(std::ptrdiff_t place) const {
            static_cast<double>(turns) * turn_height_;
 }
 
-Vec3 RotationalSweep::straight(Vec3 p) const {
+Vec3 RotationalSweep::to_chart(Vec3 p) const {
     const std::size_t count = half_planes_.size();
     const auto is_past = [&](std::size_t k) {
         return half_planes_[k].plane.signed_distance(p) >= half_planes_[k].low;
@@ -293,12 +293,12 @@ Vec3 RotationalSweep::straight(Vec3 p) const {
     return {start + t * (end - start), q.y + t * (r.y - q.y), below + t * (above - below)};
 }
 
-ContourSet RotationalSweep::straight(const ContourSet& set) const {
+ContourSet RotationalSweep::to_chart(const ContourSet& set) const {
     ContourSet result = set;
     result.slices.clear();
     result.contours.clear();
     result.points.clear();
-    result.left_out.clear();  // they have no place among the straight ones
+    result.left_out.clear();  // they have no place among those of the chart
     const auto count = static_cast<std::ptrdiff_t>(half_planes_.size());
     const std::ptrdiff_t more = std::min(repeated, count);
     for (std::ptrdiff_t place = -more; place < count + more; ++place) {

@@ -1,4 +1,4 @@
-// RotationalSweep: slices about an axis, straightened into parallel ones.
+// RotationalSweep: slices about an axis, unwarped into parallel ones.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace anatomesh {
 // half a turn later, from behind; both times with all its contours, so that distances go on across the axis.
 // A half-plane on which nothing is drawn says nothing, and is left out. Where neighbours are further apart
 // than 1.25 times so many usual angles - which three in four do not exceed - as are asked for (1.75 times up
-// to 30 degrees), what is drawn ends on both sides of the gap, which is far wider in straight coordinates
+// to 30 degrees), what is drawn ends on both sides of the gap, which is far wider in chart coordinates
 // than it is - but that most of it on both, by area, is round the axis, and the gap no wider than 75 degrees:
 // then it goes on.
 //
@@ -59,12 +59,12 @@ class RotationalSweep {
     double angle(Vec3 p) const;
 
     // Requires, for what is guaranteed: radius(p) >= apart_from(p). Complexity: logarithmic in the slices.
-    Vec3 straight(Vec3 p) const;
+    Vec3 to_chart(Vec3 p) const;
 
-    // The set in straight coordinates: its slices all round, and some of them again before and after.
-    ContourSet straight(const ContourSet& set) const;
+    // The set in chart coordinates: its slices all round, and some of them again before and after.
+    ContourSet to_chart(const ContourSet& set) const;
 
-    // A box that holds every point whose straight coordinates lie within `reach` of those of contours in
+    // A box that holds every point whose chart coordinates lie within `reach` of those of contours in
     // `box`. Requires: `box` holds the contours.
     Box3 around(const Box3& box, double reach) const;
 
@@ -91,7 +91,7 @@ class RotationalSweep {
     double angle_after(std::size_t k) const;  // from a half-plane to the next one
     double apart_after(std::size_t k, double along) const;
     void find_apart(double low, double high);
-    double height(std::ptrdiff_t place) const;  // straight; before and after the first turn too
+    double height(std::ptrdiff_t place) const;  // in the chart; before and after the first turn too
 
     Vec3 origin_, direction_;             // of the axis
     std::vector<HalfPlane> half_planes_;  // by angle

@@ -49,7 +49,7 @@ TEST(RotationalSweep, every_half_plane_gets_a_height_of_its_own_and_keeps_its_sh
     for (const auto& [axis, set] : scans()) {
         const auto sweep = sweep_about_axis(set);
         ASSERT_TRUE(sweep);
-        const ContourSet straight = sweep->straight(set);
+        const ContourSet straight = sweep->to_chart(set);
         EXPECT_GE(straight.slices.size(), 2 * set.slices.size());
         for (std::size_t s = 0; s < straight.slices.size(); ++s) {
             const double height = straight.slices[s].plane.origin.z;
@@ -73,16 +73,16 @@ TEST(RotationalSweep, points_of_contours_come_where_their_contours_are) {
     for (const auto& [axis, set] : scans()) {
         const auto sweep = sweep_about_axis(set);
         ASSERT_TRUE(sweep);
-        const ContourSet straight = sweep->straight(set);
+        const ContourSet straight = sweep->to_chart(set);
         for (const Vec3& p : set.points) {
-            const Vec3 q = sweep->straight(p);
+            const Vec3 q = sweep->to_chart(p);
             EXPECT_GE(q.x, 0);
             ASSERT_EQ(std::count(straight.points.begin(), straight.points.end(), q), 1);
         }
     }
 }
 
-TEST(RotationalSweep, straight_coordinates_are_cylindrical_about_one_axis) {
+TEST(RotationalSweep, chart_coordinates_are_cylindrical_about_one_axis) {
     std::mt19937 random(6);
     std::uniform_real_distribution<double> unit(-1, 1);
     for (const auto& [axis, set] : scans()) {
@@ -91,13 +91,13 @@ TEST(RotationalSweep, straight_coordinates_are_cylindrical_about_one_axis) {
         EXPECT_NEAR(sweep->angle(axis.origin + axis.u + 0.3 * axis.v),
                     pi / static_cast<double>(set.slices.size()), 1e-9);
         const double along =
-            sweep->straight(axis.origin + axis.normal + axis.u).y - sweep->straight(axis.origin + axis.u).y;
+            sweep->to_chart(axis.origin + axis.normal + axis.u).y - sweep->to_chart(axis.origin + axis.u).y;
         EXPECT_NEAR(std::abs(along), 1, 1e-9);
         for (int trial = 0; trial < 50; ++trial) {
             const double radius = 20 + 19 * unit(random), start = pi * unit(random), z = 30 * unit(random);
             EXPECT_EQ(sweep->apart_from(axis.origin + radius * axis.u), 0);
             const auto at = [&](double angle) {
-                return sweep->straight(axis.origin + z * axis.normal + radius * std::cos(angle) * axis.u +
+                return sweep->to_chart(axis.origin + z * axis.normal + radius * std::cos(angle) * axis.u +
                                        radius * std::sin(angle) * axis.v);
             };
             const double y = at(start).y;
@@ -196,7 +196,7 @@ TEST(RotationalSweep, what_is_on_both_sides_of_an_open_gap_is_far_apart) {
     // From slice to slice and over both gaps: by as much as the angle, but in the middle of the gaps.
     const auto at = [&](double degrees) {
         const double a = degrees * pi / 180;
-        return sweep->straight(20 * std::cos(a) * axis.u + 20 * std::sin(a) * axis.v);
+        return sweep->to_chart(20 * std::cos(a) * axis.u + 20 * std::sin(a) * axis.v);
     };
     const double degree = std::abs(at(31).z - at(30).z);
     int jumps = 0;
@@ -226,7 +226,7 @@ TEST(RotationalSweep, slices_on_one_side_of_the_axis_are_open_behind_it) {
     // Rising from the middle of what is behind all round to it, but where the turn begins, or falling.
     const auto at = [&](int degrees) {
         const double a = degrees * pi / 180;
-        return sweep->straight(20 * std::cos(a) * axis.u + 20 * std::sin(a) * axis.v);
+        return sweep->to_chart(20 * std::cos(a) * axis.u + 20 * std::sin(a) * axis.v);
     };
     int jumps = 0, rising = 0, steps = 0;
     for (int a = -178; a < 178; a += 2) {
@@ -277,16 +277,16 @@ TEST(RotationalSweep, planes_that_run_beside_the_axis_are_one_from_where_they_ar
                         90);
         const auto sweep = sweep_about_axis(set);
         ASSERT_TRUE(sweep) << planes;
-        const ContourSet straight = sweep->straight(set);
+        const ContourSet straight = sweep->to_chart(set);
         for (const Contour& contour : set.contours) {
             const Plane& plane = set.slices[contour.slice].plane;
             for (const Vec3& p : set.points_of(contour)) {
                 if (sweep->radius(p) < sweep->apart_from(p)) continue;
-                const Vec3 q = sweep->straight(p);
+                const Vec3 q = sweep->to_chart(p);
                 ASSERT_EQ(std::count(straight.points.begin(), straight.points.end(), q), 1);
                 // The same from both sides, but where the turn begins.
-                const Vec3 before = sweep->straight(p - 1e-7 * plane.normal),
-                           after = sweep->straight(p + 1e-7 * plane.normal);
+                const Vec3 before = sweep->to_chart(p - 1e-7 * plane.normal),
+                           after = sweep->to_chart(p + 1e-7 * plane.normal);
                 if (std::abs(before.z - after.z) > 1) continue;
                 EXPECT_LT(length(before - q), 1e-5);
                 EXPECT_LT(length(after - q), 1e-5);

@@ -176,7 +176,7 @@ std::optional<Sweep> Sweep::of(const ContourSet& set) {
         }
         Layer layer{plane, 0, 0, height, slices[i].slice};
         if (set.slices[layer.slice].contour_count > 0) layer.low = HUGE_VAL, layer.high = -HUGE_VAL;
-        // As straight() will find them.
+        // As to_chart() will find them.
         for (const Contour& contour : set.contours_of(set.slices[layer.slice])) {
             for (const Vec3& p : set.points_of(contour)) {
                 layer.low = std::min(layer.low, plane.signed_distance(p));
@@ -194,7 +194,7 @@ std::vector<std::uint32_t> Sweep::order() const {
     return slices;
 }
 
-Vec3 Sweep::straight(Vec3 p) const {
+Vec3 Sweep::to_chart(Vec3 p) const {
     const auto next = std::partition_point(layers_.begin(), layers_.end(), [&](const Layer& layer) {
         return layer.plane.signed_distance(p) >= layer.low;
     });
@@ -221,13 +221,13 @@ Plane Sweep::slice_at(double height) const {
         ->plane;
 }
 
-ContourSet Sweep::straight(const ContourSet& set) const {
+ContourSet Sweep::to_chart(const ContourSet& set) const {
     ContourSet result = set;
     result.left_out.clear();
     const Box3 box = set.box();
     const Vec3 middle = 0.5 * (box.low + box.high);
     for (LeftOutSlice slice : set.left_out) {
-        const double height = straight(middle - slice.plane.signed_distance(middle) * slice.plane.normal).z;
+        const double height = to_chart(middle - slice.plane.signed_distance(middle) * slice.plane.normal).z;
         // Another one crosses these.
         if (std::abs(dot(slice.plane.normal, slice_at(height).normal)) < cosine(most_between_neighbors))
             continue;

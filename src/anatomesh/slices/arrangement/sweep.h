@@ -1,4 +1,4 @@
-// Sweep: slices side by side that lean against each other, straightened into parallel ones.
+// Sweep: slices side by side that lean against each other, unwarped into parallel ones.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace anatomesh {
 // A probe that is swept over the body, or a patient who moved a little, gives slices that follow one another
 // without being parallel. Each is taken as the mirror image of the one before in the plane half-way between
 // them; so every slice gets a frame of its own, and a point between two slices the mean of its projections
-// onto both, weighted with its distances from them: straight coordinates (x, y, z), in which the slices are
+// onto both, weighted with its distances from them: chart coordinates (x, y, z), in which the slices are
 // parallel to z = 0. For parallel slices this is a rigid movement.
 //
 // Guarantees: all points of a slice's contours have that slice's height as their z, exactly, and the x and y
@@ -30,15 +30,15 @@ class Sweep {
     std::vector<std::uint32_t> order() const;
 
     // Complexity: logarithmic in the slices.
-    Vec3 straight(Vec3 p) const;
+    Vec3 to_chart(Vec3 p) const;
 
-    // The plane of the slice nearest to a straight height.
+    // The plane of the slice nearest to a chart height.
     Plane slice_at(double height) const;
 
-    // The set with its points in straight coordinates; its slices keep their order.
-    ContourSet straight(const ContourSet& set) const;
+    // The set with its points in chart coordinates; its slices keep their order.
+    ContourSet to_chart(const ContourSet& set) const;
 
-    // A box that holds every point whose straight coordinates lie within `reach` of the contours' own.
+    // A box that holds every point whose chart coordinates lie within `reach` of the contours' own.
     // Requires: `box` holds the contours.
     Box3 around(const Box3& box, double reach) const { return box.grown(most_stretched * reach); }
 
@@ -49,7 +49,7 @@ class Sweep {
         double height;        // straight
         std::uint32_t slice;  // of the set
     };
-    // Where planes spread, a straight millimetre is so many at most: twice, for gaps of a fifth to twice
+    // Where planes spread, a millimetre of the chart is so many at most: twice, for gaps of a fifth to twice
     // their mean are nearly all.
     static constexpr double most_stretched = 2;
 

@@ -82,7 +82,7 @@ TEST(Sweep, every_slice_gets_a_height_of_its_own_and_keeps_its_shape) {
     for (const ContourSet& set : sweeps()) {
         const auto sweep = Sweep::of(set);
         ASSERT_TRUE(sweep);
-        const ContourSet straight = sweep->straight(set);
+        const ContourSet straight = sweep->to_chart(set);
         std::vector<double> heights;
         for (const Slice& slice : straight.slices) {
             const Contour& contour = straight.contours[slice.first_contour];
@@ -90,7 +90,7 @@ TEST(Sweep, every_slice_gets_a_height_of_its_own_and_keeps_its_shape) {
             heights.push_back(now.front().z);
             for (std::size_t n = 0; n < now.size(); ++n) {
                 ASSERT_EQ(now[n].z, slice.plane.origin.z);
-                ASSERT_EQ(now[n], sweep->straight(before[n]));
+                ASSERT_EQ(now[n], sweep->to_chart(before[n]));
                 ASSERT_NEAR(length(now[n] - now.front()), length(before[n] - before.front()), 1e-10);
             }
         }
@@ -99,7 +99,7 @@ TEST(Sweep, every_slice_gets_a_height_of_its_own_and_keeps_its_shape) {
     }
 }
 
-TEST(Sweep, straight_coordinates_of_parallel_slices_are_a_rigid_movement) {
+TEST(Sweep, chart_coordinates_of_parallel_slices_are_a_rigid_movement) {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> unit(-1, 1);
     const std::vector<Plane> upright = leaning_planes(9, 0, random);
@@ -109,7 +109,7 @@ TEST(Sweep, straight_coordinates_of_parallel_slices_are_a_rigid_movement) {
     for (int n = 0; n < 1000; ++n) {
         const Vec3 p = 30 * Vec3{unit(random), unit(random), unit(random)},
                    q = 30 * Vec3{unit(random), unit(random), unit(random)};
-        ASSERT_NEAR(length(sweep->straight(p) - sweep->straight(q)), length(p - q), 1e-10);
+        ASSERT_NEAR(length(sweep->to_chart(p) - sweep->to_chart(q)), length(p - q), 1e-10);
     }
 }
 
@@ -124,10 +124,10 @@ TEST(Sweep, rises_and_is_continuous_across_the_slices) {
         const Vec3 middle = 0.5 * (box.low + box.high);
         for (int line = 0; line < 20; ++line) {
             const double x = middle.x + 3 * unit(random), y = middle.y + 3 * unit(random);
-            Vec3 last = sweep->straight({x, y, box.low.z});
-            const double step = 0.01, way = sweep->straight({x, y, box.high.z}).z < last.z ? -1 : 1;
+            Vec3 last = sweep->to_chart({x, y, box.low.z});
+            const double step = 0.01, way = sweep->to_chart({x, y, box.high.z}).z < last.z ? -1 : 1;
             for (double z = box.low.z + step; z < box.high.z; z += step) {
-                const Vec3 next = sweep->straight({x, y, z});
+                const Vec3 next = sweep->to_chart({x, y, z});
                 ASSERT_GT(way * (next.z - last.z), -1e-9);
                 ASSERT_LT(length(next - last), 5 * step);
                 last = next;
@@ -215,7 +215,7 @@ TEST(Sweep, slices_left_out_lie_where_they_were) {
             rest.left_out.push_back({1, make_plane(rest.left_out[0].plane.origin, cross(along, {0, 1, 0}))});
             const auto sweep = Sweep::of(rest);
             ASSERT_TRUE(sweep);
-            const ContourSet straight = sweep->straight(rest);
+            const ContourSet straight = sweep->to_chart(rest);
             ASSERT_EQ(straight.left_out.size(), 1u);
             const auto height_of = [&](std::uint32_t slice) {
                 return straight.slices[slice - (slice > gone)].plane.origin.z;

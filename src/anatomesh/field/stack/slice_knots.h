@@ -16,16 +16,16 @@ namespace anatomesh {
 
 // A position at which a structure is known: the region drawn on `slice`, or nothing (no_slice or not drawn
 // there).
-struct Level {
+struct SliceKnot {
     double low = 0, high = 0;
     std::uint32_t slice = no_slice;
     static constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
 };
 
-// The levels of a structure, rising; between two neighbours it is interpolated, before the first and after
-// the last it is empty. Where a gap is not bridged, two empty levels stand in it.
-struct StructureLevels {
-    std::vector<Level> levels;
+// The knots of a structure, rising; between two neighbours it is interpolated, before the first and after
+// the last it is empty. Where a gap is not bridged, two empty knots stand in it.
+struct StructureKnots {
+    std::vector<SliceKnot> knots;
     // Flat ends: part i lives in [flat[i].low, flat[i].high] only (infinite where it ends half a slice
     // beyond), and the parts divide the axis at flat[i].until.
     struct Extent {
@@ -40,7 +40,7 @@ struct StructureLevels {
     std::vector<std::uint32_t> unknown;    // those between them that say nothing about it
 };
 
-// From the first slice of a part of a structure to its last, and how far the empty levels are from these.
+// From the first slice of a part of a structure to its last, and how far the empty knots are from these.
 struct StructurePart {
     double low = 0, high = 0;
     double below = 0, above = 0;
@@ -59,14 +59,14 @@ struct GapEvidence {
     bool of_all = false;
 };
 
-// Levels of a structure drawn on the slices intervals[drawn[..]] (rising, at least one).
+// Knots of a structure drawn on the slices intervals[drawn[..]] (rising, at least one).
 // `every_slice`: each slice of the set says something about it (label maps). Otherwise those between its own
 // that covering_slices() names. `spacing`: of the set, for a structure whose own spacing cannot be told.
 // A gap that slices left out part into usual ones is bridged.
-StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
-                                 const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
-                                 const FieldOptions& options, const GapEvidence& evidence = {});
+StructureKnots structure_knots(const std::vector<SliceInterval>& intervals,
+                               const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
+                               const FieldOptions& options, const GapEvidence& evidence = {});
 
-std::vector<StructurePart> parts_of(const StructureLevels& levels);
+std::vector<StructurePart> parts_of(const StructureKnots& knots);
 
 }  // namespace anatomesh

@@ -1,5 +1,5 @@
 // Laws of where a structure is known along the normal, on families of spacings.
-#include "anatomesh/field/stack/levels.h"
+#include "anatomesh/field/stack/slice_knots.h"
 
 #include <gtest/gtest.h>
 
@@ -23,14 +23,14 @@ std::vector<double> positions_of(const std::vector<double>& gaps) {
     return positions;
 }
 
-StructureLevels levels_of(const std::vector<double>& gaps, const FieldOptions& options,
-                          bool every_slice = false, const GapEvidence& evidence = {}) {
+StructureKnots knots_of(const std::vector<double>& gaps, const FieldOptions& options,
+                        bool every_slice = false, const GapEvidence& evidence = {}) {
     std::vector<SliceInterval> intervals;
     for (const double z : positions_of(gaps))
         intervals.push_back({static_cast<std::uint32_t>(intervals.size()), z, z});
     std::vector<std::uint32_t> drawn(intervals.size());
     std::iota(drawn.begin(), drawn.end(), 0u);
-    return structure_levels(intervals, drawn, every_slice, 1, options, evidence);
+    return structure_knots(intervals, drawn, every_slice, 1, options, evidence);
 }
 
 // Gaps a, b, a, b, ...
@@ -41,19 +41,19 @@ std::vector<double> alternating(double a, double b, int count) {
 }
 
 // The length of the axis along which a prism drawn on all slices is inside, and in how many parts.
-std::pair<double, std::size_t> inside_of(const StructureLevels& levels) {
+std::pair<double, std::size_t> inside_of(const StructureKnots& knots) {
     double length = 0;
     std::size_t parts = 0;
-    for (std::size_t i = 0; i + 1 < levels.levels.size(); ++i) {
-        const Level &below = levels.levels[i], &above = levels.levels[i + 1];
-        const int known = (below.slice != Level::no_slice) + (above.slice != Level::no_slice);
+    for (std::size_t i = 0; i + 1 < knots.knots.size(); ++i) {
+        const SliceKnot &below = knots.knots[i], &above = knots.knots[i + 1];
+        const int known = (below.slice != SliceKnot::no_slice) + (above.slice != SliceKnot::no_slice);
         length += 0.5 * known * (above.low - below.high);
-        parts += below.slice == Level::no_slice && above.slice != Level::no_slice;
+        parts += below.slice == SliceKnot::no_slice && above.slice != SliceKnot::no_slice;
     }
     return {length, parts};
 }
 
-TEST(Levels, rise_for_any_spacings_and_an_end_takes_at_most_half_of_an_open_gap) {
+TEST(SliceKnots, rise_for_any_spacings_and_an_end_takes_at_most_half_of_an_open_gap) {
     std::mt19937 random(11);
     std::uniform_real_distribution<double> exponent(-2, 2), most(1, 5);
     for (int trial = 0; trial < 2000; ++trial) {
@@ -61,18 +61,19 @@ TEST(Levels, rise_for_any_spacings_and_an_end_takes_at_most_half_of_an_open_gap)
         for (double& gap : gaps) gap = std::exp(exponent(random));
         FieldOptions options;
         options.max_gap_spacings = trial % 4 == 0 ? 1 : most(random);
-        const StructureLevels result = levels_of(gaps, options);
-        const std::vector<Level>& levels = result.levels;
-        ASSERT_EQ(levels.size(), gaps.size() + 3 + 2 * result.open_gaps.size());
-        for (std::size_t i = 0; i + 1 < levels.size(); ++i) {
-            ASSERT_LE(levels[i].high, levels[i + 1].low);
-            const bool in_gap = levels[i].slice == Level::no_slice && levels[i + 1].slice == Level::no_slice;
+        const StructureKnots result = knots_of(gaps, options);
+        const std::vector<SliceKnot>& knots = result.knots;
+        ASSERT_EQ(knots.size(), gaps.size() + 3 + 2 * result.open_gaps.size());
+        for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
+            ASSERT_LE(knots[i].high, knots[i + 1].low);
+            const bool in_gap =
+                knots[i].slice == SliceKnot::no_slice && knots[i + 1].slice == SliceKnot::no_slice;
             if (!in_gap) {
-                ASSERT_LT(levels[i].high, levels[i + 1].low);
+                ASSERT_LT(knots[i].high, knots[i + 1].low);
             } else {
-                const double gap = levels[i + 2].low - levels[i - 1].high;
-                ASSERT_LE(levels[i].low - levels[i - 1].high, 0.5 * gap * (1 + 1e-12));
-                ASSERT_LE(levels[i + 2].low - levels[i + 1].high, 0.5 * gap * (1 + 1e-12));
+                const double gap = knots[i + 2].low - knots[i - 1].high;
+                ASSERT_LE(knots[i].low - knots[i - 1].high, 0.5 * gap * (1 + 1e-12));
+                ASSERT_LE(knots[i + 2].low - knots[i + 1].high, 0.5 * gap * (1 + 1e-12));
             }
         }
         ASSERT_EQ(inside_of(result).second, result.open_gaps.size() + 1);
@@ -80,17 +81,17 @@ TEST(Levels, rise_for_any_spacings_and_an_end_takes_at_most_half_of_an_open_gap)
 }
 
 // Slices in pairs, down to a pair that is one plane given twice: one part.
-TEST(Levels, of_slices_in_pairs_are_joined_and_end_half_a_wide_gap_beyond) {
+TEST(SliceKnots, of_slices_in_pairs_are_joined_and_end_half_a_wide_gap_beyond) {
     for (const double ratio : {2.1, 3.0, 5.67, 9.0, 20.0, 100.0}) {
         for (int slices = 6; slices <= 15; ++slices) {
             for (const bool pair_first : {true, false}) {
                 const auto gaps =
                     pair_first ? alternating(1, ratio, slices - 1) : alternating(ratio, 1, slices - 1);
-                const StructureLevels levels = levels_of(gaps, {});
-                EXPECT_TRUE(levels.open_gaps.empty());
-                EXPECT_TRUE(levels.bridged_gaps.empty());
+                const StructureKnots knots = knots_of(gaps, {});
+                EXPECT_TRUE(knots.open_gaps.empty());
+                EXPECT_TRUE(knots.bridged_gaps.empty());
                 const double expected = std::accumulate(gaps.begin(), gaps.end(), 0.0) + ratio;
-                const auto [length, parts] = inside_of(levels);
+                const auto [length, parts] = inside_of(knots);
                 EXPECT_EQ(parts, 1u);
                 EXPECT_NEAR(length, expected, 1e-9) << ratio << " " << slices << pair_first;
             }
@@ -99,14 +100,14 @@ TEST(Levels, of_slices_in_pairs_are_joined_and_end_half_a_wide_gap_beyond) {
 }
 
 // But since islands may be drawn so as well, it is told.
-TEST(Levels, of_slices_in_groups_are_told_where_the_groups_alone_join_them) {
+TEST(SliceKnots, of_slices_in_groups_are_told_where_the_groups_alone_join_them) {
     for (const double ratio : {2.1, 3.0, 9.0, 50.0}) {
         for (int slices = 6; slices <= 15; ++slices) {
             for (const bool pair_first : {true, false}) {
                 const auto gaps =
                     pair_first ? alternating(1, ratio, slices - 1) : alternating(ratio, 1, slices - 1);
                 const auto wide = static_cast<std::size_t>(std::count(gaps.begin(), gaps.end(), ratio));
-                const std::size_t told = levels_of(gaps, {}).gaps_by_groups.size();
+                const std::size_t told = knots_of(gaps, {}).gaps_by_groups.size();
                 EXPECT_GE(told, 1u) << ratio << ' ' << slices << pair_first;
                 EXPECT_LE(told, wide) << ratio << ' ' << slices << pair_first;
             }
@@ -117,13 +118,13 @@ TEST(Levels, of_slices_in_groups_are_told_where_the_groups_alone_join_them) {
                                             {3.0, 6.0, 3.0, 3.0, 3.0},
                                             {3.0, 3.0, 1.0, 3.0, 3.0},
                                             {1.0, 1.0, 1.0, 1.0, 4.0, 4.0, 4.0, 4.0}}) {
-        EXPECT_TRUE(levels_of(gaps, {}).gaps_by_groups.empty()) << gaps[1] << ' ' << gaps[2];
+        EXPECT_TRUE(knots_of(gaps, {}).gaps_by_groups.empty()) << gaps[1] << ' ' << gaps[2];
     }
 }
 
 // Three or more slices near each other are islands, however alike the gaps between; and so are two of two
 // slices that are further apart than a plane from itself.
-TEST(Levels, of_islands_of_slices_are_not_joined) {
+TEST(SliceKnots, of_islands_of_slices_are_not_joined) {
     for (int in_one = 3; in_one <= 6; ++in_one) {
         for (const double apart : {4.0, 9.0, 15.0, 40.0, 100.0}) {
             for (int islands = 2; islands <= 5; ++islands) {
@@ -132,39 +133,39 @@ TEST(Levels, of_islands_of_slices_are_not_joined) {
                     if (n > 0) gaps.push_back(apart);
                     gaps.insert(gaps.end(), static_cast<std::size_t>(in_one - 1), 1.0);
                 }
-                const StructureLevels levels = levels_of(gaps, {});
-                EXPECT_EQ(levels.open_gaps.size(), static_cast<std::size_t>(islands - 1))
+                const StructureKnots knots = knots_of(gaps, {});
+                EXPECT_EQ(knots.open_gaps.size(), static_cast<std::size_t>(islands - 1))
                     << in_one << ' ' << apart;
-                EXPECT_NEAR(inside_of(levels).first, islands * in_one, 1e-9);
+                EXPECT_NEAR(inside_of(knots).first, islands * in_one, 1e-9);
             }
         }
     }
-    for (const double apart : {15.0, 40.0}) EXPECT_EQ(levels_of({1, apart, 1}, {}).open_gaps.size(), 1u);
+    for (const double apart : {15.0, 40.0}) EXPECT_EQ(knots_of({1, apart, 1}, {}).open_gaps.size(), 1u);
 }
 
 // Gaps that are nearly even are no pairs, and two pairs alone may be four slices of many.
-TEST(Levels, of_few_slices_or_gaps_alike_tell_no_pairs) {
+TEST(SliceKnots, of_few_slices_or_gaps_alike_tell_no_pairs) {
     for (const double ratio : {1.0, 1.5, 1.99}) {
-        const StructureLevels levels = levels_of(alternating(1, ratio, 9), {});
-        EXPECT_TRUE(levels.open_gaps.empty()) << ratio;
+        const StructureKnots knots = knots_of(alternating(1, ratio, 9), {});
+        EXPECT_TRUE(knots.open_gaps.empty()) << ratio;
     }
-    EXPECT_EQ(levels_of({1, 5, 1}, {}).open_gaps.size(), 1u);
-    EXPECT_EQ(levels_of({1, 5}, {}).open_gaps.size(), 1u);
+    EXPECT_EQ(knots_of({1, 5, 1}, {}).open_gaps.size(), 1u);
+    EXPECT_EQ(knots_of({1, 5}, {}).open_gaps.size(), 1u);
 }
 
 // One pair missing is one slice missing: joined, and said; more are not joined.
-TEST(Levels, of_pairs_that_are_missing_are_as_of_slices_that_are) {
+TEST(SliceKnots, of_pairs_that_are_missing_are_as_of_slices_that_are) {
     for (const double ratio : {2.1, 5.67, 9.0, 20.0}) {
         for (const std::size_t at : {1u, 5u, 9u}) {
             for (const int missing : {1, 2, 5}) {
                 auto gaps = alternating(1, ratio, 13);
                 gaps[at] += missing * (1 + ratio);
-                const StructureLevels levels = levels_of(gaps, {});
-                EXPECT_EQ(levels.open_gaps.size(), missing > 1 ? 1u : 0u) << ratio << " " << at;
-                EXPECT_EQ(levels.bridged_gaps.size(), missing > 1 ? 0u : 1u) << ratio << " " << at;
+                const StructureKnots knots = knots_of(gaps, {});
+                EXPECT_EQ(knots.open_gaps.size(), missing > 1 ? 1u : 0u) << ratio << " " << at;
+                EXPECT_EQ(knots.bridged_gaps.size(), missing > 1 ? 0u : 1u) << ratio << " " << at;
                 if (missing > 1) {
                     const double drawn = std::accumulate(gaps.begin(), gaps.end(), 0.0) - gaps[at];
-                    EXPECT_NEAR(inside_of(levels).first, drawn + 2 * ratio, 1e-9);
+                    EXPECT_NEAR(inside_of(knots).first, drawn + 2 * ratio, 1e-9);
                 }
             }
         }
@@ -172,7 +173,7 @@ TEST(Levels, of_pairs_that_are_missing_are_as_of_slices_that_are) {
 }
 
 // What a structure that has one or two pairs of the stack cannot tell, the stack does.
-TEST(Levels, of_a_structure_in_few_pairs_are_those_of_the_stack) {
+TEST(SliceKnots, of_a_structure_in_few_pairs_are_those_of_the_stack) {
     for (const double ratio : {3.0, 5.67, 9.0}) {
         const std::vector<double> positions = positions_of(alternating(1, ratio, 13));
         std::vector<SliceInterval> intervals;
@@ -183,9 +184,9 @@ TEST(Levels, of_a_structure_in_few_pairs_are_those_of_the_stack) {
                 std::vector<std::uint32_t> drawn(2 * pairs);
                 std::iota(drawn.begin(), drawn.end(), first);
                 for (const bool every_slice : {false, true}) {
-                    const StructureLevels levels = structure_levels(intervals, drawn, every_slice, ratio, {});
-                    EXPECT_TRUE(levels.open_gaps.empty());
-                    EXPECT_NEAR(inside_of(levels).first, pairs * (1 + ratio), 1e-9) << ratio << ' ' << first;
+                    const StructureKnots knots = structure_knots(intervals, drawn, every_slice, ratio, {});
+                    EXPECT_TRUE(knots.open_gaps.empty());
+                    EXPECT_NEAR(inside_of(knots).first, pairs * (1 + ratio), 1e-9) << ratio << ' ' << first;
                 }
             }
         }
@@ -193,7 +194,7 @@ TEST(Levels, of_a_structure_in_few_pairs_are_those_of_the_stack) {
 }
 
 // However many planes of a stack are given again a little off themselves, it goes on through them.
-TEST(Levels, of_planes_given_twice_or_more_count_once) {
+TEST(SliceKnots, of_planes_given_twice_or_more_count_once) {
     std::mt19937 random(5);
     for (const double off : {0.001, 0.01, 0.05, 0.09}) {
         for (const double share : {0.1, 0.5, 1.0}) {
@@ -208,30 +209,30 @@ TEST(Levels, of_planes_given_twice_or_more_count_once) {
                         more += off / 2;
                     }
                 }
-                const StructureLevels levels = levels_of(gaps, {});
-                EXPECT_TRUE(levels.open_gaps.empty());
-                EXPECT_TRUE(levels.bridged_gaps.empty());
-                EXPECT_NEAR(inside_of(levels).first, slices - 1 + more + 1, 1e-9) << off << ' ' << share;
+                const StructureKnots knots = knots_of(gaps, {});
+                EXPECT_TRUE(knots.open_gaps.empty());
+                EXPECT_TRUE(knots.bridged_gaps.empty());
+                EXPECT_NEAR(inside_of(knots).first, slices - 1 + more + 1, 1e-9) << off << ' ' << share;
             }
         }
     }
 }
 
-TEST(Levels, of_two_fine_stacks_apart_are_two_parts) {
+TEST(SliceKnots, of_two_fine_stacks_apart_are_two_parts) {
     for (const int fine : {3, 5, 9}) {
         std::vector<double> gaps(static_cast<std::size_t>(fine), 0.1);
         gaps.push_back(2);
         gaps.insert(gaps.end(), static_cast<std::size_t>(fine), 0.1);
-        EXPECT_EQ(inside_of(levels_of(gaps, {})).second, 2u) << fine;
+        EXPECT_EQ(inside_of(knots_of(gaps, {})).second, 2u) << fine;
     }
 }
 
-TEST(Levels, of_even_gaps_with_some_missing_slices_end_half_a_spacing_beyond) {
+TEST(SliceKnots, of_even_gaps_with_some_missing_slices_end_half_a_spacing_beyond) {
     for (const std::size_t at : {0u, 3u, 5u, 8u}) {
         for (const double missing : {2.5, 3.0, 7.0}) {
             std::vector<double> gaps(9, 1.0);
             gaps[at] = missing;
-            const auto [length, parts] = inside_of(levels_of(gaps, {}));
+            const auto [length, parts] = inside_of(knots_of(gaps, {}));
             EXPECT_EQ(parts, 2u);
             EXPECT_NEAR(length, 8 + 2, 1e-12);
         }
@@ -239,7 +240,7 @@ TEST(Levels, of_even_gaps_with_some_missing_slices_end_half_a_spacing_beyond) {
 }
 
 // Slices at random heights through prisms: hardly one falls into parts, and they are as long in the mean.
-TEST(Levels, of_uneven_gaps_are_joined_and_their_ends_are_right_in_the_mean) {
+TEST(SliceKnots, of_uneven_gaps_are_joined_and_their_ends_are_right_in_the_mean) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> gap(1.5, 6), start(0, 6), size(25, 60);
     double off = 0, all = 0;
@@ -254,7 +255,7 @@ TEST(Levels, of_uneven_gaps_are_joined_and_their_ends_are_right_in_the_mean) {
             if (last > 0) gaps.push_back(z - last);
             last = z;
         }
-        const auto [length, parts] = inside_of(levels_of(gaps, {}));
+        const auto [length, parts] = inside_of(knots_of(gaps, {}));
         torn += parts > 1;
         off += length - (high - low);
         all += high - low;
@@ -264,7 +265,7 @@ TEST(Levels, of_uneven_gaps_are_joined_and_their_ends_are_right_in_the_mean) {
 }
 
 // Two bodies on slices near each other, among such that are far apart: these do not tell of the gap between.
-TEST(Levels, of_fine_slices_among_coarse_ones_a_gap_of_theirs_is_one) {
+TEST(SliceKnots, of_fine_slices_among_coarse_ones_a_gap_of_theirs_is_one) {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> jitter(0.9, 1.1);
     for (int trial = 0; trial < 300; ++trial) {
@@ -278,29 +279,29 @@ TEST(Levels, of_fine_slices_among_coarse_ones_a_gap_of_theirs_is_one) {
             gaps.push_back(7);
             add(fine, 1);
             add(5, 5);
-            const StructureLevels levels = levels_of(gaps, {});
+            const StructureKnots knots = knots_of(gaps, {});
             const auto is_gap = [](const std::pair<double, double>& ends) {
                 return std::abs(ends.second - ends.first - 7) < 1e-9;
             };
-            ASSERT_TRUE(std::any_of(levels.open_gaps.begin(), levels.open_gaps.end(), is_gap)) << fine;
+            ASSERT_TRUE(std::any_of(knots.open_gaps.begin(), knots.open_gaps.end(), is_gap)) << fine;
         }
     }
 }
 
 // What uneven gaps alone join is told where even ones would not be joined.
-TEST(Levels, of_uneven_gaps_wide_ones_are_told) {
+TEST(SliceKnots, of_uneven_gaps_wide_ones_are_told) {
     std::mt19937 random(9);
     std::uniform_real_distribution<double> gap(1.5, 6);
     for (int trial = 0; trial < 500; ++trial) {
         std::vector<double> gaps(12);
         for (double& one : gaps) one = gap(random);
         const std::vector<double> z = positions_of(gaps);
-        const StructureLevels levels = levels_of(gaps, {});
+        const StructureKnots knots = knots_of(gaps, {});
         const auto told = [&](std::size_t i) {
             const auto is_it = [&](const std::pair<double, double>& ends) { return ends.first == z[i]; };
-            return std::any_of(levels.open_gaps.begin(), levels.open_gaps.end(), is_it) ||
-                   std::any_of(levels.bridged_gaps.begin(), levels.bridged_gaps.end(), is_it) ||
-                   std::any_of(levels.gaps_by_groups.begin(), levels.gaps_by_groups.end(), is_it);
+            return std::any_of(knots.open_gaps.begin(), knots.open_gaps.end(), is_it) ||
+                   std::any_of(knots.bridged_gaps.begin(), knots.bridged_gaps.end(), is_it) ||
+                   std::any_of(knots.gaps_by_groups.begin(), knots.gaps_by_groups.end(), is_it);
         };
         for (std::size_t i = 3; i + 3 < gaps.size(); ++i) {
             std::vector<double> near(gaps.begin() + static_cast<std::ptrdiff_t>(i) - 3,
@@ -314,7 +315,7 @@ TEST(Levels, of_uneven_gaps_wide_ones_are_told) {
 }
 
 // One slice more, at any place and height, takes nothing off either end.
-TEST(Levels, of_even_gaps_with_a_slice_more_end_half_a_spacing_beyond) {
+TEST(SliceKnots, of_even_gaps_with_a_slice_more_end_half_a_spacing_beyond) {
     for (int slices = 3; slices <= 10; ++slices) {
         for (int at = 0; at < slices - 1; ++at) {
             for (const double off :
@@ -324,31 +325,31 @@ TEST(Levels, of_even_gaps_with_a_slice_more_end_half_a_spacing_beyond) {
                 std::vector<double> gaps(static_cast<std::size_t>(slices - 1), 1.0);
                 gaps[static_cast<std::size_t>(at)] = 1 - off;
                 gaps.insert(gaps.begin() + at, off);
-                const std::vector<Level> levels = levels_of(gaps, {}).levels;
-                EXPECT_NEAR(levels.front().low, -1, 0.051) << slices << ' ' << at << ' ' << off;
-                EXPECT_NEAR(levels.back().high, slices, 0.051) << slices << ' ' << at << ' ' << off;
+                const std::vector<SliceKnot> knots = knots_of(gaps, {}).knots;
+                EXPECT_NEAR(knots.front().low, -1, 0.051) << slices << ' ' << at << ' ' << off;
+                EXPECT_NEAR(knots.back().high, slices, 0.051) << slices << ' ' << at << ' ' << off;
             }
         }
     }
 }
 
 // Nor does one slice less.
-TEST(Levels, of_even_gaps_with_a_slice_less_end_half_a_spacing_beyond) {
+TEST(SliceKnots, of_even_gaps_with_a_slice_less_end_half_a_spacing_beyond) {
     for (int slices = 4; slices <= 10; ++slices) {
         for (std::size_t at = 0; at + 1 < static_cast<std::size_t>(slices - 1); ++at) {
             std::vector<double> gaps(static_cast<std::size_t>(slices - 1), 1.0);
             gaps.erase(gaps.begin() + static_cast<std::ptrdiff_t>(at));
             gaps[at] = 2;
-            const std::vector<Level> levels = levels_of(gaps, {}).levels;
-            EXPECT_NEAR(levels.front().low, -1, 1e-12) << slices << ' ' << at;
-            EXPECT_NEAR(levels.back().high, slices, 1e-12) << slices << ' ' << at;
+            const std::vector<SliceKnot> knots = knots_of(gaps, {}).knots;
+            EXPECT_NEAR(knots.front().low, -1, 1e-12) << slices << ' ' << at;
+            EXPECT_NEAR(knots.back().high, slices, 1e-12) << slices << ' ' << at;
         }
     }
 }
 
 // Where the spacing changes two slices before an end, the end has that beside it (of half the spacing the
 // slice between two gaps may be one more).
-TEST(Levels, of_two_spacings_in_one_part_each_end_has_the_one_beside_it) {
+TEST(SliceKnots, of_two_spacings_in_one_part_each_end_has_the_one_beside_it) {
     for (const double fine : {0.55, 0.6, 0.75, 0.9}) {
         for (int coarse = 3; coarse <= 7; ++coarse) {
             for (int finer = 2; finer <= 4; ++finer) {
@@ -356,9 +357,9 @@ TEST(Levels, of_two_spacings_in_one_part_each_end_has_the_one_beside_it) {
                 gaps.insert(gaps.end(), static_cast<std::size_t>(finer), fine);
                 for (const bool turned : {false, true}) {
                     if (turned) std::reverse(gaps.begin(), gaps.end());
-                    const StructureLevels levels = levels_of(gaps, {});
+                    const StructureKnots knots = knots_of(gaps, {});
                     const double all = coarse + finer * fine;
-                    EXPECT_NEAR(inside_of(levels).first, all + 0.5 * (1 + fine), 1e-9)
+                    EXPECT_NEAR(inside_of(knots).first, all + 0.5 * (1 + fine), 1e-9)
                         << fine << ' ' << coarse << ' ' << finer << turned;
                 }
             }
@@ -367,18 +368,18 @@ TEST(Levels, of_two_spacings_in_one_part_each_end_has_the_one_beside_it) {
 }
 
 // A change of spacing at an open gap: each side keeps its own.
-TEST(Levels, of_two_spacings_apart_each_end_has_its_own) {
+TEST(SliceKnots, of_two_spacings_apart_each_end_has_its_own) {
     for (const double wide : {2.0, 3.0}) {
         std::vector<double> gaps(6, 1.0);
         gaps.push_back(9);
         gaps.insert(gaps.end(), 6, wide);
-        const auto [length, parts] = inside_of(levels_of(gaps, {}));
+        const auto [length, parts] = inside_of(knots_of(gaps, {}));
         EXPECT_EQ(parts, 2u);
         EXPECT_NEAR(length, 6 + 6 * wide + 1 + wide, 1e-12);
     }
 }
 
-TEST(Levels, the_field_of_slices_in_pairs_is_one_part) {
+TEST(SliceKnots, the_field_of_slices_in_pairs_is_one_part) {
     for (const double ratio : {2.5, 3.0, 5.0}) {
         for (const EndCaps caps : {EndCaps::half, EndCaps::rounded, EndCaps::flat}) {
             const std::vector<double> gaps = alternating(1, ratio, 7), positions = positions_of(gaps);
@@ -419,44 +420,44 @@ std::vector<double> with_finer_middle() {
     return gaps;
 }
 
-TEST(Levels, of_outlines_that_nobody_drew_make_no_other_gap_wide) {
+TEST(SliceKnots, of_outlines_that_nobody_drew_make_no_other_gap_wide) {
     GapEvidence evidence;
-    EXPECT_EQ(inside_of(levels_of(with_finer_middle(), {}, true, evidence)).second, 3u)
+    EXPECT_EQ(inside_of(knots_of(with_finer_middle(), {}, true, evidence)).second, 3u)
         << "all drawn: two wide gaps";
     for (std::uint32_t i = 1; i < 18; ++i) {
         if ((i - 1) % 4 != 0) evidence.interpolated.push_back(i);
     }
-    const StructureLevels levels = levels_of(with_finer_middle(), {}, true, evidence);
-    const auto [length, parts] = inside_of(levels);
+    const StructureKnots knots = knots_of(with_finer_middle(), {}, true, evidence);
+    const auto [length, parts] = inside_of(knots);
     EXPECT_EQ(parts, 1u);
     EXPECT_DOUBLE_EQ(length, 24 + 4) << "half of its own spacing beyond either end";
-    EXPECT_TRUE(levels.open_gaps.empty());
-    EXPECT_TRUE(levels.bridged_gaps.empty());
+    EXPECT_TRUE(knots.open_gaps.empty());
+    EXPECT_TRUE(knots.bridged_gaps.empty());
 }
 
-TEST(Levels, of_all_structures_together_go_on_where_one_does) {
+TEST(SliceKnots, of_all_structures_together_go_on_where_one_does) {
     GapEvidence evidence;
     evidence.parts = {{0, 24, 4, 4}};
     evidence.of_all = true;
-    const auto [length, parts] = inside_of(levels_of(with_finer_middle(), {}, true, evidence));
+    const auto [length, parts] = inside_of(knots_of(with_finer_middle(), {}, true, evidence));
     EXPECT_EQ(parts, 1u);
     EXPECT_DOUBLE_EQ(length, 24 + 4);
 }
 
-TEST(Levels, of_one_that_ends_where_others_go_on_end_half_way_to_the_next_slice) {
+TEST(SliceKnots, of_one_that_ends_where_others_go_on_end_half_way_to_the_next_slice) {
     // Slices at 0, 1, 2, 3 and 9: drawn on the first four.
     std::vector<SliceInterval> intervals;
     for (const double z : {0.0, 1.0, 2.0, 3.0, 9.0})
         intervals.push_back({static_cast<std::uint32_t>(intervals.size()), z, z});
     const std::vector<std::uint32_t> drawn{0, 1, 2, 3};
     GapEvidence evidence;
-    EXPECT_EQ(structure_levels(intervals, drawn, true, 1, {}, evidence).levels.back().low, 4);
+    EXPECT_EQ(structure_knots(intervals, drawn, true, 1, {}, evidence).knots.back().low, 4);
     evidence.parts = {{0, 9, 1, 6}};
-    EXPECT_EQ(structure_levels(intervals, drawn, true, 1, {}, evidence).levels.back().low, 9);
+    EXPECT_EQ(structure_knots(intervals, drawn, true, 1, {}, evidence).knots.back().low, 9);
 }
 
-TEST(Levels, tell_their_parts) {
-    const StructureLevels one = levels_of({1, 1, 1}, {}), two = levels_of({1, 1, 9, 1, 1}, {});
+TEST(SliceKnots, tell_their_parts) {
+    const StructureKnots one = knots_of({1, 1, 1}, {}), two = knots_of({1, 1, 9, 1, 1}, {});
     ASSERT_EQ(parts_of(one).size(), 1u);
     EXPECT_EQ(parts_of(one)[0].low, 0);
     EXPECT_EQ(parts_of(one)[0].high, 3);

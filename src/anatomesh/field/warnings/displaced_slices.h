@@ -1,4 +1,4 @@
-// warn_about_shifted_slices: single slices that lie aside of those on both sides.
+// warn_about_displaced_slices: single slices that lie aside of those on both sides.
 #pragma once
 
 #include "anatomesh/base/run_context.h"
@@ -9,6 +9,6 @@ namespace anatomesh {
 // W-FLD-011, once, with the names of all slices that slices_out_of_line() finds (contour/planes/out_of_line.h) and
 // the distance of the worst; unless that one was told in this context: of a set it may be found again in a
 // part of it. For contours that somebody drew. Complexity: as there.
-void warn_about_shifted_slices(const ContourSet& set, RunContext& context);
+void warn_about_displaced_slices(const ContourSet& set, RunContext& context);
 
 }  // namespace anatomesh

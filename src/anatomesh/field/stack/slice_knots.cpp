@@ -1,4 +1,4 @@
-#include "anatomesh/field/stack/levels.h"
+#include "anatomesh/field/stack/slice_knots.h"
 
 #include <algorithm>
 #include <cassert>
@@ -79,11 +79,11 @@ double spacing_round_a_place(const std::vector<double>& gaps) {
 
 // The gaps between slices that tell of a structure, and what is usual among them. Slices in groups, and
 // planes given again, count once; what is a group the whole stack tells.
-class Gaps {
+class GapClassification {
   public:
     // `around`: the gaps of the stack; those from `first` on, `count` of them, are the structure's.
     // `spacing`: where these tell none.
-    Gaps(const std::vector<double>& around, std::size_t first, std::size_t count, double spacing)
+    GapClassification(const std::vector<double>& around, std::size_t first, std::size_t count, double spacing)
         : spacing_(spacing) {
         const RegularGaps regular = regular_gaps(around);
         for (std::size_t i = 0; i < around.size(); ++i) {
@@ -201,11 +201,11 @@ std::optional<double> spacing_of_parts(const std::vector<StructurePart>& parts, 
 
 }  // namespace
 
-StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
-                                 const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
-                                 const FieldOptions& options, const GapEvidence& evidence) {
+StructureKnots structure_knots(const std::vector<SliceInterval>& intervals,
+                               const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
+                               const FieldOptions& options, const GapEvidence& evidence) {
     assert(!drawn.empty() && spacing > 0);
-    StructureLevels result;
+    StructureKnots result;
     const std::vector<std::uint32_t> covering = covering_of(intervals, drawn, every_slice, evidence.left_out);
     for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) {
         if (!std::binary_search(covering.begin(), covering.end(), i))
@@ -234,7 +234,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
         for (std::size_t i = 1; i < intervals.size(); ++i)
             around.push_back(gap_between(intervals[i - 1], intervals[i]));
     }
-    const Gaps gaps(around, own_gaps ? 0 : covering.front(), known.size() - 1, spacing);
+    const GapClassification gaps(around, own_gaps ? 0 : covering.front(), known.size() - 1, spacing);
     const double widest = options.max_gap_spacings * joined_more;  // that is joined, in spacings
     // Where its own slices were left out, of usual gaps, it goes on.
     const auto is_open = [&](std::size_t gap) {
@@ -266,31 +266,31 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     };
 
     // Beyond the outermost ends: the next slice of the set where it says something and is near, else an empty
-    // level one spacing away.
-    const auto end_level = [&](std::uint32_t at, int direction, double local) {
+    // knot one spacing away.
+    const auto end_knot = [&](std::uint32_t at, int direction, double local) {
         const bool is_last = direction > 0 ? at + 1 == intervals.size() : at == 0;
         if (!is_last && !own_spacing) {
             const SliceInterval& next = intervals[direction > 0 ? at + 1 : at - 1];
             const double gap = direction > 0 ? next.low - intervals[at].high : intervals[at].low - next.high;
             const double low = std::min(intervals[at].high, next.high), high = low + gap;
             if (gap <= options.max_gap_spacings * local || has_part(evidence.parts, low, high))
-                return Level{next.low, next.high, Level::no_slice};
+                return SliceKnot{next.low, next.high, SliceKnot::no_slice};
         }
         const double z = direction > 0 ? intervals[at].high + local : intervals[at].low - local;
-        return Level{z, z, Level::no_slice};
+        return SliceKnot{z, z, SliceKnot::no_slice};
     };
 
     std::vector<std::uint32_t> part;  // the drawn slices of the part at hand
-    const auto close_part = [&](const Level& end) {
-        StructureLevels::Extent extent;
+    const auto close_part = [&](const SliceKnot& end) {
+        StructureKnots::Extent extent;
         if (options.caps == EndCaps::flat && part.size() > 1) {
             extent.low = intervals[part.front()].low;
             extent.high = intervals[part.back()].high;
         }
         result.flat_island |= options.caps == EndCaps::flat && part.size() == 1;
         part.clear();
-        result.levels.push_back(end);
-        extent.until = result.levels.back().high;
+        result.knots.push_back(end);
+        extent.until = result.knots.back().high;
         result.flat.push_back(extent);
     };
     std::size_t next_drawn = 0;
@@ -303,11 +303,11 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
             const std::pair<double, double> ends{intervals[known[g]].high, interval.low};
             if (is_open(g) && known[g] == covering[i - 1]) {
                 result.open_gaps.push_back(ends);
-                // The two empty levels in the gap do not pass one another.
+                // The two empty knots in the gap do not pass one another.
                 const double below = ends.first + std::min(spacing_at(g, -1), 0.5 * gap);
                 const double above = std::max(ends.second - std::min(spacing_at(g + 1, 1), 0.5 * gap), below);
-                close_part({below, below, Level::no_slice});
-                result.levels.push_back({above, above, Level::no_slice});
+                close_part({below, below, SliceKnot::no_slice});
+                result.knots.push_back({above, above, SliceKnot::no_slice});
             } else if (gaps.spacings(g) > hardly_wider || gaps.spacings_if_even(g) > widest) {
                 result.bridged_gaps.push_back(ends);
             } else if (gaps.spacing_without_groups(g) < gaps.local_spacing(g) &&
@@ -315,8 +315,9 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                 result.gaps_by_groups.push_back(ends);
             }
         }
-        if (i == 0) result.levels.push_back(end_level(covering[0], -1, spacing_at(0, 1)));
-        result.levels.push_back({interval.low, interval.high, is_drawn ? interval.slice : Level::no_slice});
+        if (i == 0) result.knots.push_back(end_knot(covering[0], -1, spacing_at(0, 1)));
+        result.knots.push_back(
+            {interval.low, interval.high, is_drawn ? interval.slice : SliceKnot::no_slice});
         if (is_drawn) {
             part.push_back(covering[i]);
             ++next_drawn;
@@ -324,23 +325,23 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
             result.not_drawn.push_back(interval.slice);
         }
     }
-    close_part(end_level(covering.back(), 1, spacing_at(known.size() - 1, -1)));
+    close_part(end_knot(covering.back(), 1, spacing_at(known.size() - 1, -1)));
     result.flat.back().until = std::numeric_limits<double>::infinity();
     return result;
 }
 
-std::vector<StructurePart> parts_of(const StructureLevels& levels) {
-    // Two empty levels part them.
+std::vector<StructurePart> parts_of(const StructureKnots& knots) {
+    // Two empty knots part them.
     std::vector<StructurePart> parts;
-    const std::vector<Level>& all = levels.levels;
+    const std::vector<SliceKnot>& all = knots.knots;
     std::size_t begin = 0;
     const auto add = [&](std::size_t end) {
-        const Level &first = all[begin + 1], &last = all[end - 1];
+        const SliceKnot &first = all[begin + 1], &last = all[end - 1];
         parts.push_back({first.low, last.high, first.low - all[begin].high, all[end].low - last.high});
     };
-    for (std::size_t gap = 0; gap < levels.open_gaps.size(); ++gap) {
+    for (std::size_t gap = 0; gap < knots.open_gaps.size(); ++gap) {
         std::size_t end = begin + 1;
-        while (all[end].high <= levels.open_gaps[gap].first) ++end;
+        while (all[end].high <= knots.open_gaps[gap].first) ++end;
         add(end);
         begin = end + 1;
     }

@@ -1,4 +1,4 @@
-#include "anatomesh/field/warnings/shifted_slices.h"
+#include "anatomesh/field/warnings/displaced_slices.h"
 
 #include <algorithm>
 #include <string>
@@ -15,7 +15,7 @@ constexpr std::size_t most_named = 5;  // slices in a message
 
 }  // namespace
 
-void warn_about_shifted_slices(const ContourSet& set, RunContext& context) {
+void warn_about_displaced_slices(const ContourSet& set, RunContext& context) {
     if (!set.drawn) return;
     const std::vector<OutOfLine> out = slices_out_of_line(set);
     if (out.empty()) return;
