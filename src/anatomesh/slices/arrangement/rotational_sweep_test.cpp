@@ -46,7 +46,8 @@ double signed_area(const ContourSet& set, const Contour& contour) {
 }
 
 TEST(RotationalSweep, every_half_plane_gets_a_height_of_its_own_and_keeps_its_shape) {
-    for (const auto& [axis, set] : scans()) {
+    for (const Scan& scan : scans()) {
+        const ContourSet& set = scan.set;
         const auto sweep = sweep_about_axis(set);
         ASSERT_TRUE(sweep);
         const ContourSet straight = sweep->to_chart(set);
@@ -70,7 +71,8 @@ TEST(RotationalSweep, every_half_plane_gets_a_height_of_its_own_and_keeps_its_sh
 }
 
 TEST(RotationalSweep, points_of_contours_come_where_their_contours_are) {
-    for (const auto& [axis, set] : scans()) {
+    for (const Scan& scan : scans()) {
+        const ContourSet& set = scan.set;
         const auto sweep = sweep_about_axis(set);
         ASSERT_TRUE(sweep);
         const ContourSet straight = sweep->to_chart(set);
@@ -85,7 +87,9 @@ TEST(RotationalSweep, points_of_contours_come_where_their_contours_are) {
 TEST(RotationalSweep, chart_coordinates_are_cylindrical_about_one_axis) {
     std::mt19937 random(6);
     std::uniform_real_distribution<double> unit(-1, 1);
-    for (const auto& [axis, set] : scans()) {
+    for (const Scan& scan : scans()) {
+        const ContourSet& set = scan.set;
+        const Plane& axis = scan.axis;
         const auto sweep = sweep_about_axis(set);
         ASSERT_TRUE(sweep);
         EXPECT_NEAR(sweep->angle(axis.origin + axis.u + 0.3 * axis.v),

@@ -21,7 +21,8 @@ ContourSet boxes_on(const std::vector<std::pair<int, double>>& planes, double to
     ContourSet set;
     set.structures = {{1, "outer", {}}, {2, "inner", {}}};
     for (std::uint32_t s = 0; s < planes.size(); ++s) {
-        const auto [axis, height] = planes[s];
+        const int axis = planes[s].first;
+        const double height = planes[s].second;
         const Plane plane = make_plane(height * axes[axis], axes[axis]);
         set.slices.push_back({plane, static_cast<std::uint32_t>(set.contours.size()), 0, std::to_string(s)});
         const auto add = [&](std::uint32_t structure, Vec3 low, Vec3 high) {
