@@ -78,30 +78,30 @@ std::string advice(const CheckOptions& options, const ModelFile& model, const In
         model.description.space == "LPS") {
         const bool turned = are_turned(box_of(contours->kept.points), box_of(model.mesh.points));
         return fmt::format(
-            "the contour file does not state its axes and the model does (LPS): give the --frame that the "
+            "the contour file does not state its axes, and the model is in LPS: give the --frame that the "
             "model "
             "was made with{}",
-            turned ? ", --frame RAS by the look of it" : "");
+            turned ? ", probably --frame RAS" : "");
     }
     if (broken(1) && contours) {
         const std::string distances = distance_text(contours->kept, model);
         if (!distances.empty())
             return distances +
-                   ": are they mirrored, scaled or shifted, or other contours than those that model "
-                   "--contours "
-                   "writes, or read with other --close-slivers, --close-gaps or --same-line?";
+                   ": check whether they are mirrored, scaled or shifted, are not the model's contours, or "
+                   "need other "
+                   "--close-slivers, --close-gaps or --same-line";
     }
     const double closed_mm = number_of(model.description, "close_gaps_mm").value_or(0);
     if ((broken(2) || broken(6)) && contours && closed_mm > widest_told_mm &&
         !walls_are_given(options.contours)) {
         return fmt::format(
-            "the model's file says that gaps up to {0} mm were closed, which is not believed: --close-gaps "
-            "{0} "
-            "does so too",
+            "the model's file states that gaps up to {0} mm were closed: to close them here too, give "
+            "--close-gaps {0}",
             closed_mm);
     }
     if (broken(4) && !contours) {
-        return "the certificate says which and where; with --contours what they force is known and excused";
+        return "the certificate says which and where; give --contours to accept tetrahedra that contours "
+               "force";
     }
     return "the certificate says which and where";
 }
@@ -111,9 +111,9 @@ Result<ModelFile> model_to_check(const CheckOptions& options, Session& session) 
     if (input.model) return *std::move(input.model);
     return Error{ErrorKind::input,
                  "E-CMD-012",
-                 "this is a surface, which has no tetrahedra to check",
+                 "the file holds a surface, which has no tetrahedra to check",
                  {options.model, "", "", "", ""},
-                 "name a model: .vtu, .msh, .mesh or .inp"};
+                 "give a model: .vtu, .msh, .mesh or .inp"};
 }
 
 // Quadratic elements that may be folded: warned of, for the contract is about the elements with straight
@@ -125,11 +125,12 @@ void look_at_jacobians(const std::string& path, const ModelFile& model, RunConte
         if (bad++ == 0) first = c + 1;
     }
     if (bad == 0) return;
-    context.warn({"W-ELM-002",
-                  counted(bad, "quadratic element has", "quadratic elements have") +
-                      " no Jacobian that is surely positive everywhere",
-                  {path, "", "", "", fmt::format("element {}", first)},
-                  "left as they are"});
+    context.warn(
+        {"W-ELM-002",
+         counted(bad, "quadratic element has", "quadratic elements have") +
+             " a Jacobian that may not be positive everywhere, so that a solver may refuse the model",
+         {path, "", "", "", fmt::format("element {}", first)},
+         "they were kept"});
 }
 
 // Of surfaces that are closed: of others nothing can be said.
@@ -244,7 +245,7 @@ Status run_check(CheckOptions options, Session& session) {
                                        : options.contours.cleaning_given.front();
         return Error{ErrorKind::usage,
                      "E-CMD-008",
-                     option + " does not apply: it says how contours are read, and there is no --contours",
+                     option + " does not apply without --contours",
                      {},
                      fmt::format("give --contours too, or leave out {}", option)};
     }
@@ -303,7 +304,7 @@ Status run_check(CheckOptions options, Session& session) {
                       [](const Clause& clause) { return clause.state == ClauseState::broken; });
     return Error{ErrorKind::geometry,
                  "E-CMD-013",
-                 fmt::format("the model breaks {} of the contract",
+                 fmt::format("the model breaks {} of the certificate",
                              counted(static_cast<std::uint64_t>(broken), "clause")),
                  {options.model, "", "", "", ""},
                  advice(options, model, contours ? &*contours : nullptr, report)};

@@ -37,7 +37,7 @@ Status run_compare(const CompareOptions& options, Session& session) {
     const SurfaceFile surface_a = surface_of(a), surface_b = surface_of(b);
     if (surface_a.description.space != surface_b.description.space) {
         session.context.warn({"W-CMD-001",
-                              "the two files do not state the same axes",
+                              "the two files state different axes",
                               {options.b, "", "", "",
                                fmt::format("{} of {}, {} of {}", surface_a.description.space, options.a,
                                            surface_b.description.space, options.b)},

@@ -79,7 +79,7 @@ Result<std::string> file_of(const InputContours& contours, const ContoursOptions
     if (contours.kept.frame != Frame::lps)
         return Error{ErrorKind::usage,
                      "E-CMD-018",
-                     "contours whose axes are not known cannot become DICOM",
+                     "the axes of the contours are unknown, and DICOM needs them",
                      {options.input.input, "", "", "", ""},
                      "give --frame LPS or --frame RAS"};
     ANATOMESH_TRY(const DicomSource source, output_source(options.input, contours.dicom_source, context));

@@ -32,7 +32,7 @@ Status check_element_options(const ConvertOptions& options, bool to_model) {
                  "E-CMD-008",
                  "--order, --grey and --material do not apply to a surface",
                  {options.output, "", "", "", ""},
-                 "write a model: .vtu, .msh, .mesh, .inp or .feb"};
+                 "choose an output for models: .vtu, .msh, .mesh, .inp or .feb"};
 }
 
 // Brings the elements to the order asked for: mid-nodes in the middles of the edges, or none. Without --order
@@ -55,9 +55,9 @@ Status run_convert(const ConvertOptions& options, Session& session) {
     if (to_model && !input.model) {
         return Error{ErrorKind::usage,
                      "E-CMD-008",
-                     "a surface has no tetrahedra to write as a model",
+                     "the input is a surface, which has no tetrahedra for a model",
                      {options.input, "", "", "", ""},
-                     "write it as .vtp, .stl, .ply or .obj"};
+                     "choose an output for surfaces: .vtp, .stl, .ply or .obj"};
     }
     if (session.context.cancelled()) return cancelled_error();
     std::string what;

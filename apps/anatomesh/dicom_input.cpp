@@ -177,9 +177,9 @@ Result<Json> folder_json(const InputOptions& options, RunContext& context) {
     if (folder.objects.empty())
         return Error{ErrorKind::input,
                      "E-CMD-012",
-                     "this is a folder, and neither a contour file (.vtp) nor a DICOM object is in it",
+                     "the folder holds neither a contour file (.vtp) nor a DICOM object",
                      {options.input, "", "", "", ""},
-                     "name a file in it, or a folder of DICOM objects"};
+                     "give a file, or a folder of DICOM objects"};
     Json json;
     json["files"] = folder.files;
     json["skipped"] = folder.skipped;

@@ -43,7 +43,7 @@ Status add_dicom_outputs(const Model& model, const DicomSource& source, const Di
     if (model.report.space != "LPS")
         return Error{ErrorKind::usage,
                      "E-CMD-018",
-                     "a model whose axes are not known cannot become DICOM",
+                     "the axes of the model are unknown, and DICOM needs them",
                      {outputs.paths()[0], "", "", "", ""},
                      "give --frame LPS or --frame RAS"};
     SurfaceFile surface;

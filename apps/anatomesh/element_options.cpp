@@ -37,7 +37,7 @@ Status add_grey(ModelFile& model, const InputOptions& image, bool again, Session
     if (!opened.image || !opened.image->poses.empty()) {
         return Error{ErrorKind::input,
                      "E-CMD-012",
-                     "there are no grey values in this file",
+                     "the file holds no grey values",
                      {image.input, "", "", "", ""},
                      "give the image that the model was made from"};
     }
@@ -48,7 +48,7 @@ Status add_grey(ModelFile& model, const InputOptions& image, bool again, Session
                               fmt::format("{} outside the image",
                                           counted(stats.cells_outside, "tetrahedron lies", "tetrahedra lie")),
                               {image.input, "", "", "", ""},
-                              "given the values of the nearest voxels"});
+                              "they got the values of the nearest voxels"});
     }
     model.grey = std::move(grey.values);
     if (!again) done.files.insert(done.files.end(), opened.files.begin(), opened.files.end());
@@ -108,7 +108,7 @@ Status check_order(const ElementOptions& options, const std::string& output) {
     if (options.order != 2 || !format || holds_quadratic(*format)) return Nothing{};
     return Error{ErrorKind::usage,
                  "E-MDL-014",
-                 "the format holds linear tetrahedra only",
+                 "the format of the output holds linear tetrahedra only",
                  {output, "", "", "", "--order 2"},
                  "write .vtu, .msh, .inp or .feb"};
 }
@@ -135,7 +135,7 @@ Result<CellValues> add_cell_values(ModelFile& model, const ElementOptions& optio
     if (wants_grey && model.grey.empty()) {
         return Error{ErrorKind::usage,
                      "E-CMD-008",
-                     "a law needs grey values, and the model has none",
+                     "a material law needs grey values, and the model has none",
                      {options.material, "", "", "", "--material"},
                      "give the image with --grey"};
     }

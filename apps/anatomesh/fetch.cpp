@@ -34,10 +34,10 @@ Status check_uids(const FetchOptions& fetch) {
         if (!uid.empty() && !is_uid(uid))
             return usage_error("E-NET-022",
                                fmt::format("{} takes a UID: digits and points, at most 64", option),
-                               uid.substr(0, 100), "anatomesh query lists those there are");
+                               uid.substr(0, 100), "list the UIDs with anatomesh query");
     }
     if (!fetch.instance.empty() && fetch.series.empty())
-        return usage_error("E-CMD-008", "--instance needs --series", "", "give both");
+        return usage_error("E-CMD-008", "--instance needs --series", "", "give both options");
     return Nothing{};
 }
 
@@ -46,18 +46,20 @@ Status check_destination(const FetchVerbOptions& options, const ConnectOptions& 
     const bool moves = !fetch.move_to.empty();
     if (moves && !is_ae_title(fetch.move_to))
         return usage_error("E-CMD-001", "--move-to takes an AE title: 1 to 16 ASCII characters, no backslash",
-                           fetch.move_to, "");
+                           fetch.move_to, "give an AE title that the archive knows");
     if (moves && !connecting.peer.dicom)
-        return usage_error("E-CMD-008", "--move-to does not apply: DICOMweb has no C-MOVE", "",
-                           "leave it out");
+        return usage_error("E-CMD-008", "--move-to does not apply to DICOMweb, which has no C-MOVE", "",
+                           "leave out --move-to");
     if ((options.port != 0 || options.address_given) && !moves)
-        return usage_error("E-CMD-008", "--port and --address need --move-to", "", "leave them out");
+        return usage_error("E-CMD-008", "--port and --address need --move-to", "",
+                           "leave them out, or give --move-to");
     const bool receives = !moves || options.port != 0;
     if (receives && options.folder.empty())
-        return usage_error("E-CMD-001", "-o is needed: the folder for what comes", "", "give -o FOLDER");
+        return usage_error("E-CMD-001", "the folder for the fetched objects is missing", "",
+                           "give -o FOLDER");
     if (!receives && !options.folder.empty())
-        return usage_error("E-CMD-008", "-o does not apply: the peer sends to another program", "",
-                           "leave it out, or give --port to receive here");
+        return usage_error("E-CMD-008", "-o does not apply: the archive sends to another program", "",
+                           "leave out -o, or give --port to receive here");
     return Nothing{};
 }
 
@@ -82,15 +84,15 @@ Status answer_of(const FetchResult& result, const FetchVerbOptions& options, Ses
     const Place place{"", "", "", "", options.network.peer};
     if (result.failed + result.refused > 0) {
         const std::string why =
-            result.reasons.empty() ? "the peer could not send them" : result.reasons.front();
+            result.reasons.empty() ? "the archive could not send them" : result.reasons.front();
         return Error{
             ErrorKind::file, "E-NET-015",
             fmt::format("{} did not arrive: {}", counted(result.failed + result.refused, "object"), why),
-            place, "what arrived is kept; fetch again"};
+            place, "the objects that arrived are kept; run fetch again"};
     }
     if (result.sent + result.stored + result.there_already == 0)
-        return Error{ErrorKind::input, "E-NET-023", "the peer has nothing of these UIDs", place,
-                     "anatomesh query lists what there is"};
+        return Error{ErrorKind::input, "E-NET-023", "the archive has no objects of these UIDs", place,
+                     "list its objects with anatomesh query"};
     return Nothing{};
 }
 

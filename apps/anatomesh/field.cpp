@@ -42,9 +42,9 @@ Result<std::string> bits_file(const ContourSet& contours, const SliceStack& stac
     if (context.cancelled()) return cancelled_error();
     if (overlaps > 0)
         context.warn({"W-CMD-004",
-                      "voxels lie in several structures, of which an image can hold one",
+                      "some pixels lie in several structures, but the image holds one number per pixel",
                       {contours.source, "", "", "", fmt::format("{}", overlaps)},
-                      "they hold the number of the last one; --structure takes one alone"});
+                      "they hold the number of the last structure; --structure chooses one"});
     return format_label_map(bits, format, "version " ANATOMESH_VERSION ", bit volume");
 }
 
@@ -54,9 +54,9 @@ Status check_structures(const ContourSet& contours, const FieldVerbOptions& opti
     return Error{
         ErrorKind::usage,
         "E-CMD-019",
-        fmt::format("a distance map is of one structure; the input has {}", contours.structures.size()),
+        fmt::format("a distance map shows one structure, but the input has {}", contours.structures.size()),
         {options.input.input, "", "", "", ""},
-        "choose one with --structure, or write --what bits"};
+        "choose one with --structure, or give --what bits"};
 }
 
 Status run_field(FieldVerbOptions options, Session& session) {

@@ -16,13 +16,13 @@ namespace anatomesh {
 namespace {
 
 constexpr const char* mesh_extensions =
-    "models are .vtu, .msh, .mesh and .inp, surfaces .vtp, .stl, .ply and .obj";
+    "give a model (.vtu, .msh, .mesh, .inp) or a surface (.vtp, .stl, .ply, .obj)";
 
 // A reader's error with a next step, should it have none of its own.
 Error with_next_step(Error error) {
     if (!error.next_step.empty()) return error;
     error.next_step = error.code == "E-MDL-006"
-                          ? "turn the elements into linear tetrahedra, or facets into triangles, first"
+                          ? "convert the elements into tetrahedra, or the facets into triangles, first"
                           : "write the file again with the program that made it";
     return error;
 }
@@ -51,7 +51,7 @@ Result<MeshInput> read_kind(const std::string& path, FileKind kind, const Limits
                 "E-CMD-012",
                 kind == FileKind::unknown
                     ? unknown_content(path)
-                    : fmt::format("the kind of the file is {}: neither a model nor a surface", name_of(kind)),
+                    : fmt::format("the file is neither a model nor a surface; its kind is {}", name_of(kind)),
                 {path, "", "", "", ""},
                 mesh_extensions};
     }
@@ -66,7 +66,7 @@ Result<MeshInput> read_mesh(const std::string& path, const Limits& limits, RunCo
                      "E-CMD-012",
                      unknown_content(path),
                      {path, "", "", "", ""},
-                     std::string("name a file in it: ") + mesh_extensions};
+                     std::string("give a file of the folder: ") + mesh_extensions};
     }
     ANATOMESH_TRY(const FileKind kind, detect(path));
     Result<MeshInput> input = read_kind(path, kind, limits, context);
@@ -76,11 +76,11 @@ Result<MeshInput> read_mesh(const std::string& path, const Limits& limits, RunCo
 
 std::string unknown_content(const std::string& path) {
     std::error_code failure;
-    if (std::filesystem::is_directory(path, failure)) return "this is a folder, not a file";
+    if (std::filesystem::is_directory(path, failure)) return "the path is a folder, not a file";
     constexpr std::size_t shown_bytes = 12;
     const auto start = read_input_start(path, shown_bytes);
     if (start.ok() && start.value().empty()) return "the file is empty";
-    if (!start.ok()) return "the content is of no known kind";
+    if (!start.ok()) return "the format of the file is not known";
     std::string text, hexadecimal;
     bool plain = true;
     for (const std::byte byte : start.value()) {
@@ -90,7 +90,7 @@ std::string unknown_content(const std::string& path) {
         text += static_cast<char>(c);
         hexadecimal += fmt::format("{}{:02X}", hexadecimal.empty() ? "" : " ", c);
     }
-    return fmt::format("the content is of no known kind; it begins with {}",
+    return fmt::format("the format of the file is not known; it begins with {}",
                        plain ? "'" + text + "'" : "the bytes " + hexadecimal);
 }
 

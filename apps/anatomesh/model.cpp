@@ -323,7 +323,7 @@ Status check_separate(const ModelVerbOptions& options) {
     if (!options.separate || options.dicom.paths().empty()) return Nothing{};
     return Error{ErrorKind::usage,
                  "E-CMD-008",
-                 "--separate makes several models, and a DICOM object is of one",
+                 "--separate makes several models, but a DICOM object holds one",
                  {},
                  "leave out --separate, or choose a structure with --structure"};
 }
@@ -332,7 +332,8 @@ Status check_slice_thickness(const ModelVerbOptions& options, const ContourSet& 
     if (options.input.prepare.field.single_slice_mm == 0 || kept.slices.size() < 2) return Nothing{};
     return Error{ErrorKind::usage,
                  "E-CMD-008",
-                 fmt::format("--slice-thickness does not apply: there are {} slices", kept.slices.size()),
+                 fmt::format("--slice-thickness does not apply to {} slices; it is for a single slice",
+                             kept.slices.size()),
                  {options.input.input, "", "", "", ""},
                  "leave out --slice-thickness"};
 }

@@ -47,8 +47,8 @@ bool has_extension(const std::string& path) {
 Error unknown_extension(const std::string& path, const std::string& known) {
     return {ErrorKind::usage,
             "E-CMD-004",
-            has_extension(path) ? "the extension names no format that can be written here"
-                                : "the name has no extension, which chooses the format",
+            has_extension(path) ? "the extension of the output is no format that this command writes"
+                                : "the name of the output has no extension, which chooses the format",
             {path, "", "", "", ""},
             "the extensions are " + known};
 }
@@ -71,7 +71,7 @@ Status check_outputs(const std::vector<std::string>& inputs, const std::vector<s
             if (!same_file(outputs[i], input) && !lies_in(outputs[i], input)) continue;
             return Error{ErrorKind::usage,
                          "E-CMD-006",
-                         "the output is an input, or lies in one",
+                         "the output is the same file as an input, or lies in an input folder",
                          {outputs[i], "", "", "", ""},
                          "choose another name for the output"};
         }

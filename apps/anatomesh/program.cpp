@@ -231,7 +231,8 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& stop, Session& se
         print_error(session, printed.error());
         return exit_code(printed.error());
     }
-    const Error error{ErrorKind::usage, "E-CMD-001", stop.what(), {}, "see anatomesh --help"};
+    const Error error{
+        ErrorKind::usage, "E-CMD-001", stop.what(), {}, "the option --help of each command describes it"};
     print_error(session, error);
     return exit_code(error);
 }
@@ -309,11 +310,15 @@ int run_program(int argc, const char* const* argv) {
         session.words.assign(argv + std::min(argc, 1), argv + argc);
         return run(argc, argv, session);
     } catch (const std::bad_alloc&) {
-        error = {ErrorKind::limit, "E-CMD-010", "out of memory", {}, "a larger --size or --every needs less"};
+        error = {ErrorKind::limit,
+                 "E-CMD-010",
+                 "the memory does not suffice",
+                 {},
+                 "a larger --size or --every needs less memory"};
     } catch (const std::exception& unexpected) {
-        error.message = fmt::format("unexpected: {}", unexpected.what());
+        error.message = fmt::format("an unexpected error occurred: {}", unexpected.what());
     } catch (...) {
-        error.message = "unexpected failure of an unknown kind";
+        error.message = "an unexpected error of unknown kind occurred";
     }
     print_error(session, error);
     return exit_code(error);

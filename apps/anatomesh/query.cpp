@@ -37,14 +37,15 @@ Status add_match(const std::string& text, QueryOptions& query) {
     const QueryAttribute* attribute = find_attribute(keyword);
     if (!attribute || equals == std::string::npos) {
         const std::string near = nearest_word(keyword, known);
-        return usage_error(
-            "E-NET-021", "this is not KEYWORD=VALUE with a keyword that can be matched", text.substr(0, 100),
-            near.empty() ? "for example --match Modality=CT; docs/network.md lists the keywords"
-                         : fmt::format("did you mean {}=VALUE?", near));
+        return usage_error("E-NET-021", "--match needs KEYWORD=VALUE with a keyword that archives can match",
+                           text.substr(0, 100),
+                           near.empty()
+                               ? "for example --match Modality=CT; docs/network.md lists the keywords"
+                               : fmt::format("did you mean {}=VALUE?", near));
     }
     if (attribute->level > query.level)
-        return usage_error("E-NET-021", "this keyword stands below the level of the query", keyword,
-                           "ask with --level series or --level instance");
+        return usage_error("E-NET-021", "the keyword does not exist at this level of the query", keyword,
+                           "give --level series or --level instance");
     query.match[keyword] = text.substr(equals + 1);
     return Nothing{};
 }
@@ -52,7 +53,7 @@ Status add_match(const std::string& text, QueryOptions& query) {
 Status check_uid(const std::string& option, const std::string& uid) {
     if (uid.empty() || is_uid(uid)) return Nothing{};
     return usage_error("E-NET-022", fmt::format("{} takes a UID: digits and points, at most 64", option),
-                       uid.substr(0, 100), "anatomesh query lists those there are");
+                       uid.substr(0, 100), "list the UIDs with anatomesh query");
 }
 
 std::vector<const QueryAttribute*> shown_attributes(const QueryVerbOptions& options,
@@ -103,9 +104,9 @@ Status run_query(QueryVerbOptions options, Session& session) {
     ANATOMESH_TRY(const QueryResult result, query_peer(query, connecting, session.context));
     if (result.is_cut)
         session.context.warn({"W-NET-001",
-                              "there are more answers than are shown",
+                              "the archive has more answers than are shown",
                               {"", "", "", "", fmt::format("{}", query.most_answers)},
-                              "the first that came are shown; --most asks for more, --match for fewer"});
+                              "the first answers are shown; --most allows more, --match selects fewer"});
     const auto shown = shown_attributes(options, result);
     nlohmann::ordered_json answer{{"peer", options.network.peer}, {"level", options.level}};
     answer["answers"] = nlohmann::ordered_json::array();

@@ -99,7 +99,7 @@ ReadImageOptions image_options(const InputOptions& options) {
 
 // Options of DICOM objects and tracked sequences, for files of other kinds.
 Status check_special_options(const InputOptions& options, FileKind kind) {
-    const std::string why = fmt::format("the input is of the kind {}", name_of(kind));
+    const std::string why = fmt::format("the kind of the input is {}", name_of(kind));
     const std::pair<const char*, bool> of_dicom[] = {
         {"--series", !options.series.empty()},
         {"--allow-gaps", options.allow_gaps},
@@ -121,7 +121,7 @@ Status check_special_options(const InputOptions& options, FileKind kind) {
 // Options that this kind of file has no use for at all.
 Status check_reading_options(const InputOptions& options, FileKind kind) {
     const bool image = is_image(kind);
-    const std::string why = image ? fmt::format("the input is of the kind {}", name_of(kind))
+    const std::string why = image ? fmt::format("the kind of the input is {}", name_of(kind))
                                   : "the input holds contours, not an image";
     if (kind != FileKind::nifti) {
         if (!options.nifti_transform.empty()) return does_not_apply("--use", options.input, why);
@@ -133,7 +133,7 @@ Status check_reading_options(const InputOptions& options, FileKind kind) {
     ANATOMESH_CHECK_STATUS(check_special_options(options, kind));
     if (image && !options.cleaning_given.empty()) {
         return does_not_apply(options.cleaning_given.front(), options.input,
-                              "the input is an image, whose contours are traced and not drawn");
+                              "the input is an image, not drawn contours");
     }
     return Nothing{};
 }
@@ -148,7 +148,10 @@ bool has_warning(const RunContext& context, std::initializer_list<const char*> c
 // always.
 void warn_of_unused_options(const InputOptions& options, bool is_tracked, RunContext& context) {
     const auto warn = [&](const std::string& option, const std::string& value, const char* message) {
-        context.warn({"W-CMD-003", message, {options.input, "", "", "", option + " " + value}, "not used"});
+        context.warn({"W-CMD-003",
+                      message,
+                      {options.input, "", "", "", option + " " + value},
+                      "the option was not used"});
     };
     if (!options.frame.empty() && !is_tracked && !has_warning(context, {"W-NRD-003", "W-MTI-002"}))
         warn("--frame", options.frame, "the image states its own axes");
@@ -159,7 +162,7 @@ void warn_of_unused_options(const InputOptions& options, bool is_tracked, RunCon
 Result<OpenedInput> open_image(const InputOptions& options, FileKind kind, RunContext& context) {
     ANATOMESH_TRY(LoadedImage image, read_image(options.input, image_options(options), context));
     if (image.poses.empty()) {
-        const std::string why = "the image is no tracked sequence";
+        const std::string why = "the image is not a tracked sequence";
         if (!options.image_to_probe.empty()) return does_not_apply("--image-to-probe", options.input, why);
         if (!options.pose_to.empty()) return does_not_apply("--pose-to", options.input, why);
     }
@@ -200,16 +203,18 @@ Result<OpenedInput> open_contours(const InputOptions& options, FileKind kind, bo
 Result<LabelMap> labels_of(const LoadedImage& image, const InputOptions& options, RunContext& context) {
     if (options.prepare.threshold) {
         if (looks_like_label_map(image.facts)) {
-            context.warn({"W-CMD-002",
-                          "the image looks like a label map",
-                          {options.input, "", "", "", "--threshold"},
-                          "taken as a grey image because of --threshold: its structures become one"});
+            context.warn(
+                {"W-CMD-002",
+                 "the image looks like a label map",
+                 {options.input, "", "", "", "--threshold"},
+                 "it was read as a grey image because of --threshold, so that its structures become one"});
         }
         return threshold_image(image.image, {options.prepare.threshold->low, options.prepare.threshold->high},
                                context);
     }
     if (!looks_like_label_map(image.facts)) {
-        return input_usage_error("E-CMD-007", "this is a grey image, which needs a threshold", options.input,
+        return input_usage_error("E-CMD-007", "the image is a grey image, which needs --threshold",
+                                 options.input,
                                  fmt::format("give --threshold LO[:HI]; the values run from {} to {}",
                                              number_text(image.facts.low), number_text(image.facts.high)));
     }
@@ -306,9 +311,9 @@ bool is_dicom_folder(const std::string& path) {
 
 Result<OpenedInput> open_input(const InputOptions& options, RunContext& context) {
     constexpr const char* kinds =
-        "inputs are NIfTI, NRRD, MetaImage, InVesalius projects, contour JSON, CSL, VTK polydata, DICOM "
-        "images, RTSTRUCT and SEG, cardiac guide points, folders of DICOM objects, and folders of contours "
-        "in VTK polydata";
+        "give NIfTI, NRRD, MetaImage, an InVesalius project, contour JSON, CSL, VTK polydata, DICOM images, "
+        "RTSTRUCT "
+        "or SEG, cardiac guide points, or a folder of DICOM objects or VTK polydata";
     std::error_code error;
     if (fs::is_directory(options.input, error)) {
         if (!has_contour_file(options.input)) {
@@ -331,7 +336,7 @@ Result<OpenedInput> open_input(const InputOptions& options, RunContext& context)
         "E-CMD-012",
         kind == FileKind::unknown
             ? unknown_content(options.input)
-            : fmt::format("the kind of the file is {}: neither an image nor contours", name_of(kind)),
+            : fmt::format("the file is neither an image nor contours; its kind is {}", name_of(kind)),
         {options.input, "", "", "", ""},
         kinds};
 }

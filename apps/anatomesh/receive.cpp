@@ -43,7 +43,8 @@ Result<AllowedPeer> allowed_peer(const std::string& text) {
     const bool names_host = at != std::string::npos;
     if ((!peer.title.empty() && !is_ae_title(peer.title)) || (names_host && host.empty()) ||
         (!names_host && peer.title.empty()))
-        return usage_error("E-NET-009", "this is no AE title and no host", text.substr(0, 200),
+        return usage_error("E-NET-009", "the value of --allow is neither an AE title nor a host",
+                           text.substr(0, 200),
                            "--allow takes AE (from this machine), AE@HOST or @HOST; HOST may be *");
     if (host == "*") return peer;
     if (!names_host) {
@@ -52,8 +53,8 @@ Result<AllowedPeer> allowed_peer(const std::string& text) {
     }
     peer.addresses = addresses_of(host);
     if (peer.addresses.empty())
-        return usage_error("E-NET-009", "the host is not known", text.substr(0, 200),
-                           "check its name, or give its address");
+        return usage_error("E-NET-009", "the address of the host is not known", text.substr(0, 200),
+                           "check the name of the host, or give its address");
     return peer;
 }
 
@@ -64,17 +65,18 @@ Status check_exposure(const ReceiveVerbOptions& options) {
     for (const std::string& address : addresses) is_local = is_local && is_loopback(address);
     const std::string& address = options.receiver.address;
     if (options.plain && !options.tls.empty())
-        return usage_error("E-CMD-008", "--plain does not apply: TLS is asked for", "", "leave out --plain");
+        return usage_error("E-CMD-008", "--plain does not apply together with TLS", "", "leave out --plain");
     if (!options.tls.empty() && (options.tls.certificate.empty() || options.tls.key.empty()))
         return usage_error("E-CMD-008", "TLS needs --tls-certificate and --tls-key", "",
-                           "give both, PEM files");
+                           "give both as PEM files");
     if (is_local) return Nothing{};
     if (options.allowed.empty())
-        return usage_error("E-NET-020", "a receiver that others can reach needs to know who may send",
-                           address, "give --allow AE@HOST for each of them");
+        return usage_error("E-NET-020", "other machines can reach this address, but no sender is allowed",
+                           address, "give --allow AE@HOST for each sender");
     if (options.tls.empty() && !options.plain)
-        return usage_error("E-NET-020", "a receiver that others can reach needs TLS", address,
-                           "give --tls-certificate and --tls-key, or --plain for a network that is trusted");
+        return usage_error("E-NET-020",
+                           "other machines can reach this address, which needs encryption by TLS", address,
+                           "give --tls-certificate and --tls-key, or --plain in a network that you trust");
     return Nothing{};
 }
 

@@ -42,7 +42,7 @@ Status check_reconcile_options(const ContourSet& kept, const InputOptions& optio
     const std::string& option = options.reconcile_given.front();
     return Error{ErrorKind::usage,
                  "E-CMD-008",
-                 option + " does not apply: the slices are parallel, so that none cross",
+                 option + " does not apply: the slices are parallel and do not cross",
                  {kept.source, "", "", "", ""},
                  "leave out " + option};
 }

@@ -46,18 +46,18 @@ Result<LoadedImage> open_grey(const SegmentVerbOptions& options, std::vector<Inp
     if (!opened.image)
         return Error{ErrorKind::input,
                      "E-SGM-008",
-                     "there is no image to segment in the input",
+                     "the input holds no image to segment",
                      {options.input.input, "", "", "", ""},
-                     "give a grey image; contours and segmentations are inputs of contours and model"};
+                     "give a grey image; use contours and segmentations with anatomesh model"};
     files = std::move(opened.files);
     LoadedImage& image = *opened.image;
     if (!image.poses.empty()) {
         if (check_extension(options.output, label_extensions).ok())
             return Error{ErrorKind::usage,
                          "E-SGM-010",
-                         "frames that each have a pose make no label map",
+                         "a tracked sequence of frames cannot become a label map",
                          {options.output, "", "", "", ""},
-                         "write contours: .json, .vtp or .csl"};
+                         "choose an output for contours: .json, .vtp or .csl"};
         // Each slice is treated in its plane, by the size of its pixels.
         const FramePose& first = image.poses[0];
         image.image.geometry.step = {Vec3{length(first.step[0]), 0, 0}, Vec3{0, length(first.step[1]), 0},
@@ -106,13 +106,13 @@ Result<LabelMap> joined(std::vector<TaskResult>& results, const std::vector<Segm
         if (taken == results[r].voxels)
             return Error{ErrorKind::geometry,
                          "E-SGM-014",
-                         "nothing is left of the structure: all of it belongs to structures before it",
+                         "all of the structure belongs to earlier structures of the recipe",
                          {source, "", tasks[r].name, "", found},
-                         "put it before them in the recipe, or give it another threshold, seed or part"};
+                         "put it before them in the recipe, or give it another threshold, seed or box"};
         context.warn({"W-SGM-004",
-                      "a part of the structure belongs to structures before it",
+                      "a part of the structure belongs to earlier structures of the recipe",
                       {source, "", tasks[r].name, "", found},
-                      "left to those that come first in the recipe"});
+                      "the earlier structures keep it"});
         results[r].voxels -= taken;
     }
     constexpr std::array<std::array<std::uint8_t, 3>, 6> colors{

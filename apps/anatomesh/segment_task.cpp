@@ -54,14 +54,14 @@ Status check_method(const SegmentTask& task, const LoadedImage& image, const std
     const bool spreads = method == SegmentMethod::region || method == SegmentMethod::geodesic ||
                          method == SegmentMethod::confidence;
     if (grows && !seeded)
-        return task_error("E-SGM-005", "this method grows from a seed, and there is none", image, task, name,
-                          "give --seed X,Y,Z inside the structure, LPS mm");
+        return task_error("E-SGM-005", "the method needs a seed", image, task, name,
+                          "give --seed X,Y,Z, a point inside the structure in mm (LPS)");
     if (ranged && !task.threshold)
-        return task_error("E-SGM-006", "this method needs a range of values", image, task, name,
+        return task_error("E-SGM-006", "the method needs a range of values", image, task, name,
                           "give --threshold LO[:HI]");
     if (method == SegmentMethod::geodesic && (task.per_slice || !image.poses.empty()))
-        return task_error("E-SGM-012", "edges alone do not hold a contour that goes from slice to slice",
-                          image, task, name, "give --method region or chan-vese");
+        return task_error("E-SGM-012", "the method geodesic does not work from slice to slice", image, task,
+                          name, "give --method region or chan-vese");
     const std::pair<const char*, bool> useless[] = {
         {"--threshold", task.threshold && !ranged}, {"--seed", seeded && !grows},
         {"--spread", task.spread && !spreads},      {"--seed-radius", task.radius_mm && !spreads && !moves},
@@ -108,10 +108,10 @@ Status add_seed(Vec3 voxel, Vec3 given, const SegmentTask& task, const LoadedIma
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (!(at[axis] >= 0 && at[axis] < size[axis]))
             return task_error(
-                "E-SGM-007", "a seed lies outside of the image, or of the part to look at", image, task,
+                "E-SGM-007", "a seed lies outside the image, or outside the box of --within", image, task,
                 fmt::format("{},{},{}, which is voxel {:.0f}, {:.0f}, {:.0f} of {} x {} x {}", given.x,
                             given.y, given.z, at[0], at[1], at[2], size[0], size[1], size[2]),
-                "--seed takes LPS mm (x to the left, y to the back), --seed-voxel indices from 0");
+                "give --seed in mm (LPS: x to the left, y to the back), or --seed-voxel as indices from 0");
         seed[axis] = static_cast<std::uint32_t>(at[axis]);
     }
     segmenting.seeds.push_back(seed);
@@ -128,8 +128,8 @@ Result<ImagePart> part_of(const SegmentTask& task, const LoadedImage& image) {
     const ImageGeometry& geometry = image.image.geometry;
     if (task.within.empty()) return ImagePart{{0, 0, 0}, geometry.size};
     if (!image.poses.empty())
-        return task_error("E-CMD-008", "--within does not apply to frames that each have a pose", image, task,
-                          "", "leave it out");
+        return task_error("E-CMD-008", "--within does not apply to a tracked sequence of frames", image, task,
+                          "", "leave out --within");
     const Vec3 a = voxel_at(geometry, task.within[0]), b = voxel_at(geometry, task.within[1]);
     const std::array<double, 3> low{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
         high{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
@@ -139,10 +139,10 @@ Result<ImagePart> part_of(const SegmentTask& task, const LoadedImage& image) {
                      last = std::min(std::round(high[axis]), geometry.size[axis] - 1.0);
         if (!(first <= last))
             return task_error(
-                "E-SGM-013", "the part to look at lies outside of the image", image, task,
+                "E-SGM-013", "the box of --within lies outside the image", image, task,
                 fmt::format("voxels {:.0f} to {:.0f} along axis {} of {}", std::round(low[axis]),
                             std::round(high[axis]), axis + 1, geometry.size[axis]),
-                "--within takes two corners in LPS mm (x to the left, y to the back)");
+                "give two corners in mm (LPS: x to the left, y to the back)");
         part.first[axis] = static_cast<std::uint32_t>(first);
         part.size[axis] = static_cast<std::uint32_t>(last - first) + 1;
     }
@@ -269,7 +269,7 @@ Result<TaskResult> run_in(const SegmentTask& task, const LoadedImage& image, Run
     if (result.voxels > 0) return result;
     return Error{ErrorKind::geometry,
                  "E-SGM-004",
-                 "the clean-up leaves nothing of the structure",
+                 "the clean-up removes all of the structure",
                  {labels.source, "", task.name, "", ""},
                  "give smaller radii to --median and --open"};
 }
@@ -301,7 +301,7 @@ class RecipeReader {
     Result<std::vector<SegmentTask>> read(std::string_view text) {
         const RecipeJson recipe = RecipeJson::parse(text, nullptr, false);
         if (!recipe.is_object() || !recipe.contains("format") || recipe["format"] != "anatomesh-recipe")
-            return failure("it is no JSON object with \"format\": \"anatomesh-recipe\"", "");
+            return failure("the file is no JSON object with \"format\": \"anatomesh-recipe\"", "");
         if (recipe.contains("version") && recipe["version"] != 1)
             return failure("its \"version\" is not 1", "");
         if (!recipe.contains("structures") || !recipe["structures"].is_array() ||
@@ -312,7 +312,7 @@ class RecipeReader {
             ANATOMESH_TRY(SegmentTask task, task_of(each, static_cast<std::uint32_t>(tasks.size()) + 1));
             for (const SegmentTask& other : tasks)
                 if (other.number == task.number || other.name == task.name)
-                    return failure("two structures have one number or one name", task.name);
+                    return failure("two structures have the same number or name", task.name);
             tasks.push_back(std::move(task));
         }
         return tasks;
@@ -331,12 +331,12 @@ class RecipeReader {
         SegmentTask task;
         task.number = place;
         task.name = fmt::format("structure {}", place);
-        if (!json.is_object()) return failure("a structure is no object", task.name);
+        if (!json.is_object()) return failure("a structure is not an object", task.name);
         if (json.contains("name") && json["name"].is_string()) task.name = json["name"].get<std::string>();
         for (const auto& [key, value] : json.items())
             if (!take(key, value, task))
                 return failure(
-                    fmt::format("\"{}\" is not known, or its value is not usable", key.substr(0, 40)),
+                    fmt::format("the key \"{}\" is unknown, or its value is not possible", key.substr(0, 40)),
                     task.name);
         return task;
     }

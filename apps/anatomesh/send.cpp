@@ -62,7 +62,7 @@ Status run_send(const SendVerbOptions& options, Session& session) {
                  fmt::format("{} of {} were not stored", objects.size() - sent.stored,
                              counted(objects.size(), "object")),
                  {"", "", "", "", options.network.peer},
-                 "the answer lists them with the reason; look into the peer's log"};
+                 "the answer lists them with the reasons; look into the log of the archive"};
 }
 
 }  // namespace

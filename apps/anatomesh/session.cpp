@@ -59,7 +59,7 @@ Status print_answer(Session& session, std::string_view text) {
                      ? std::string("standard output is closed")
                      : fmt::format("standard output cannot be written: {}", std::strerror(failure)),
                  {},
-                 "give it a place to go to; with --quiet, verbs that write files need none"};
+                 "redirect standard output to a file, or give --quiet to a command that writes files"};
 }
 
 void print_line(const std::string& line) {

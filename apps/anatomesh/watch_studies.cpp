@@ -145,7 +145,7 @@ void StudyWatch::tick(const std::vector<std::string>& busy) {
             continue;
         if (const std::size_t count = missing(study); count > 0) {
             if (study.was_missed || quiet < options_.patience * options_.settle_seconds) continue;
-            say_(fmt::format("study {}: incomplete, {} that its structures refer to {} not here; no model",
+            say_(fmt::format("study {}: no model yet, because {} that its structures refer to {} missing",
                              series_name(name), counted(count, "image"), count == 1 ? "is" : "are"));
             study.was_missed = true;
             continue;
@@ -164,7 +164,7 @@ void StudyWatch::start(const std::string& name, Study& study) {
     const auto in_version = [&](const char* file) { return (version / file).string(); };
     const Status noted = write_file_atomically(in_version(instances_name), hash_of(study.instances) + "\n");
     if (error || !noted.ok()) {
-        say_(fmt::format("study {}: no folder for its model: {}", series_name(name),
+        say_(fmt::format("study {}: no model, because its folder cannot be created: {}", series_name(name),
                          error ? error.message() : noted.error().message));
         return;
     }
@@ -188,7 +188,7 @@ void StudyWatch::start(const std::string& name, Study& study) {
     const pid_t child = ::fork();
     if (child == 0) become(pointers.data(), failure.c_str());
     if (child < 0) {
-        say_(fmt::format("study {}: no process for its model", series_name(name)));
+        say_(fmt::format("study {}: no model, because no process could be started", series_name(name)));
         study.is_due = true;
         study.last = Clock::now();
         return;
@@ -196,7 +196,7 @@ void StudyWatch::start(const std::string& name, Study& study) {
     child_ = child;
     child_study_ = name;
     child_folder_ = version.string();
-    say_(fmt::format("study {}: complete, its model is being made", series_name(name)));
+    say_(fmt::format("study {}: complete, making its model", series_name(name)));
 }
 
 void StudyWatch::reap() {
@@ -211,10 +211,10 @@ void StudyWatch::reap() {
         ++models_;
         say_(fmt::format("study {}: model {} made", study, version));
     } else if (WIFEXITED(status)) {
-        say_(fmt::format("study {}: no model {}: exit code {}, see its {}", study, version,
+        say_(fmt::format("study {}: no model {}: exit code {}; its {} says why", study, version,
                          WEXITSTATUS(status), failure_name));
     } else {
-        say_(fmt::format("study {}: no model {}: the process died of signal {}", study, version,
+        say_(fmt::format("study {}: no model {}: signal {} ended the process", study, version,
                          WTERMSIG(status)));
     }
 }

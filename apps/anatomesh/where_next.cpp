@@ -87,8 +87,9 @@ std::string table_of(const ContourSet& kept, const WhereNext& next) {
     text +=
         fmt::format("expected error on the whole surface: {:.1f} mm3\n", next.expected_mm3 - next.gaps_mm3);
     if (next.gaps_mm3 > 0) {
-        text += fmt::format("and where slices are missing and the sides are not joined: {:.1f} mm3\n",
-                            next.gaps_mm3);
+        text += fmt::format(
+            "expected error where slices are missing and the two sides are not joined: {:.1f} mm3\n",
+            next.gaps_mm3);
     }
     return text;
 }

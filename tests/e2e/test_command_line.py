@@ -141,11 +141,11 @@ class WrongCommands(harness.TestCase):
             self.assert_refused(["model", "ball.json", "-o", "a.vtu", *words], 2, words[-2] if words[-2] != "2" else "--offset")
 
     def test_P03_slices_that_there_are_not_or_all_of_them(self):
-        self.assert_refused(["model", "ball.json", "-o", "a.vtu", "--without", "z = 99"], 2, "E-CON-010", "there are: ")
+        self.assert_refused(["model", "ball.json", "-o", "a.vtu", "--without", "z = 99"], 2, "E-CON-010", "the slices are: ")
         self.image("labels.nrrd", [0] * 21 + [1] * 22 + [0] * 21,
                    "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: LPS\nspace directions: (1,0,0) (0,1,0) "
                    "(0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n")
-        self.assert_refused(["contours", "labels.nrrd", "-o", "a.json", "--without", "k = 3"], 2, "E-CON-010", "there are: ")
+        self.assert_refused(["contours", "labels.nrrd", "-o", "a.json", "--without", "k = 3"], 2, "E-CON-010", "the slices are: ")
         self.assert_refused(["contours", "labels.nrrd", "-o", "a.json", "--min-area", "0", "--without", "k = 1", "--without", "k=2"], 2, "E-CON-011")
         self.run_program("contours", "labels.nrrd", "-o", "a.json", "--min-area", "0", "--without", "k = 1", "--quiet")
         slices = json.loads((self.folder / "a.json").read_text())["slices"]
@@ -275,7 +275,7 @@ class Messages(harness.TestCase):
         other["slices"][4]["contours"][0]["points"][0][0] += 1e-4
         self.write("other.json", other)
         broken = self.run_program("check", "ball.vtu", "--contours", "other.json", expect=4).err
-        self.assertIn("breaks 1 clause of the contract", broken)
+        self.assertIn("breaks 1 clause of the certificate", broken)
 
     def test_check_says_that_the_frame_is_missing(self):
         shape = shapes.sphere(10)
@@ -291,7 +291,7 @@ class Messages(harness.TestCase):
         self.run_program("model", "ball.csl", "-o", "unknown.vtu", "--quiet")
         self.run_program("model", "ball.json", "-o", "known.vtu", "--quiet")
         message = self.run_program("compare", "known.vtu", "unknown.vtu").err
-        self.assertIn("the two files do not state the same axes", message)
+        self.assertIn("the two files state different axes", message)
         self.assertIn("LPS of known.vtu, unknown of unknown.vtu", message)
 
 

@@ -99,7 +99,7 @@ class DamagedModels(harness.TestCase):
         states, codes, report = self.checked(expect=4)
         self.assertEqual((states[2], states[6]), ("broken", "broken"))
         self.assertLessEqual({"W-PIP-003", "W-PIP-006"}, set(codes))
-        self.assertIn("of the drawn area of outer are amiss", report["certificate"][1]["evidence"])
+        self.assertIn("of the drawn area of outer are wrong", report["certificate"][1]["evidence"])
 
     def test_one_cell_in_the_other_region(self):
         cells = self.cells.copy()
@@ -183,7 +183,7 @@ class DamagedModels(harness.TestCase):
                 self.damaged(points, cells, kept)
                 states, _, report = self.checked()
                 self.assertEqual(states[6], "kept", report["certificate"][5])
-                self.assertIn(f"with {caps} ends", report["certificate"][5]["evidence"])
+                self.assertIn(f"with ends '{caps}'", report["certificate"][5]["evidence"])
                 self.assertIn(words, report["certificate"][5]["evidence"])
 
     def test_contours_of_one_of_the_structures_say_nothing_of_volumes(self):
@@ -196,7 +196,7 @@ class DamagedModels(harness.TestCase):
         self.assertIn("W-CMD-010", codes)
         self.assertNotIn("W-PIP-008", codes)
         self.assertEqual(states[6], "not promised yet")
-        self.assertIn("the structures are not the same", report["certificate"][5]["evidence"])
+        self.assertIn("the structures differ", report["certificate"][5]["evidence"])
 
     def test_structures_exchanged_in_the_contours(self):
         document = self.contours()

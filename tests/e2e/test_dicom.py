@@ -127,7 +127,7 @@ class Folders(harness.TestCase):
         # RS-21: alone it is not compared with its images, and that is said; beside them it is.
         alone = self.run_program("contours", "rs.dcm", "-o", "alone.json").err
         self.assertEqual(alone.count("W-DCM-018"), 1, alone)
-        self.assertIn("not compared with them", alone)
+        self.assertIn("without comparing it with them", alone)
         # Beside its images it is what the folder's model is made of.
         shutil.copy(self.folder / "rs.dcm", self.study / "rs")
         beside = self.run_program("contours", "study", "-o", "b.json").err

@@ -409,7 +409,7 @@ class Watching(harness.TestCase):
         self.run_program("send", *slices[:15], "--to", receiver.peer)
         self.run_program("send", contours, "--to", receiver.peer)
         models = receiver.folder / "models" / peers.STUDY
-        self.wait_for(receiver, "incomplete")
+        self.wait_for(receiver, "no model yet")
         self.assertFalse(models.exists())
         # The late ones complete it.
         self.run_program("send", *slices[15:], "--to", receiver.peer)

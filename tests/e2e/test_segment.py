@@ -108,7 +108,7 @@ class Segment(harness.TestCase):
         self.write("recipe.json", {**recipe, "structures": [first, {**second, "threshold": [900, None]}]})
         self.assert_refused([*segment[:-1], "x.nrrd"], 4, "E-SGM-001", "structure second")
         self.write("recipe.json", {**recipe, "structures": [first, {**second, "name": "first"}]})
-        self.assert_refused([*segment[:-1], "x.nrrd"], 3, "E-SGM-009", "one name")
+        self.assert_refused([*segment[:-1], "x.nrrd"], 3, "E-SGM-009", "the same number or name")
         self.write("recipe.json", {**recipe, "version": 2})
         self.assert_refused([*segment[:-1], "x.nrrd"], 3, "E-SGM-009", "version")
 

@@ -260,7 +260,7 @@ class FollowedContours(harness.TestCase):
         self.assertLess(max(contour["farthest_mm"] for contour in followed), 0.1)
         self.assertLess(sum(contour["difference_mm2"] for contour in followed), 0.1)
         clause = report["certificate"][1]
-        self.assertIn("follow the surface", clause["evidence"])
+        self.assertIn("moved to edges of the surface", clause["evidence"])
         # Kept as they are written, which are not those that were drawn; no drawn vertex is off the surface.
         kept = self.points(self.folder / "kept.json")
         model = judge.Model(self.folder / "axis.vtu")

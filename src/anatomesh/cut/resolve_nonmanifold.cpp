@@ -19,9 +19,9 @@ Error stays_nonmanifold(const NonmanifoldPatch& patch, const std::vector<std::ui
     return Error{
         ErrorKind::geometry,
         "E-CUT-001",
-        std::to_string(vertices.size()) + " vertices of the surface stay non-manifold",
+        std::to_string(vertices.size()) + " vertices of the surface could not be made manifold",
         {"", "", "", "", "first at " + brief(at.x) + ", " + brief(at.y) + ", " + brief(at.z) + " mm"},
-        "try another --size"};
+        "give another --size"};
 }
 
 }  // namespace

@@ -215,10 +215,10 @@ Result<Tetrahedralization> Tetrahedralization::create(std::span<const Vec3> poin
     if (points.size() > most_points) {
         return Error{ErrorKind::limit,
                      "E-DEL-003",
-                     std::to_string(points.size()) + " points; at most " + std::to_string(most_points) +
-                         " can be tetrahedralized",
+                     std::to_string(points.size()) + " points are too many; at most " +
+                         std::to_string(most_points) + " are possible",
                      {},
-                     "make the elements larger, or simplify the contours"};
+                     "give a larger --size, or simplify the contours with --epsilon"};
     }
     if (const auto bad = std::find_if_not(points.begin(), points.end(), finite); bad != points.end()) {
         return Error{ErrorKind::geometry,
@@ -235,7 +235,7 @@ Result<Tetrahedralization> Tetrahedralization::create(std::span<const Vec3> poin
                      "the points span no volume: " + std::to_string(count_distinct(points)) +
                          " distinct points, all in one plane",
                      {},
-                     "give contours on at least two slices, or a slice with thickness"};
+                     "give contours on at least two slices, or --slice-thickness for one"};
     }
     return made;
 }

@@ -151,7 +151,7 @@ Result<GreyResult> grey_values(const TetMesh& mesh, const GreyImage& image, cons
                      "E-ELM-001",
                      "no tetrahedron of the model lies in the image",
                      {image.source, "", "", "", ""},
-                     "give the image that the model was made from, in the same frame"};
+                     "give the image that the model was made from, with the same axes"};
     }
     return result;
 }

@@ -15,7 +15,7 @@ Result<std::shared_ptr<const StructureField>> make_structure_field(const Contour
     if (set.contours.empty()) {
         return Error{ErrorKind::geometry,
                      "E-FLD-001",
-                     "there are no contours",
+                     "the input has no contours",
                      {set.source, "", "", "", ""},
                      "choose a structure that has contours"};
     }

@@ -61,9 +61,9 @@ Result<LabelMap> threshold_image(const GreyImage& image, const ThresholdOptions&
     if (std::find(any.begin(), any.end(), 1) == any.end()) {
         return Error{ErrorKind::geometry,
                      "E-THR-001",
-                     "no voxel lies in the threshold's range",
+                     "no voxel has a value in the range of --threshold",
                      {image.source, "", "", "", range},
-                     "choose a threshold within the image's values, " + range_of(image)};
+                     "give a --threshold within the values of the image, " + range_of(image)};
     }
     return labels;
 }

@@ -289,12 +289,11 @@ std::string moves_text(std::span<const Warning> warnings) {
     const auto add = [&](std::uint64_t count, const std::string& what) {
         if (count > 0) text += (text.empty() ? "" : ", ") + what;
     };
-    add(apart, std::to_string(apart) + " moved apart where rings touch (W-CON-020)");
+    add(apart, std::to_string(apart) + " moved apart where contours touch (W-CON-020)");
     add(welded, std::to_string(welded) + " moved onto one of another structure (W-CON-021)");
-    add(copied, std::to_string(copied) + " moved onto one of another structure beside it (W-CON-027)");
-    add(onto_plane,
-        "those of " + counted(onto_plane, "contour") + " off their plane moved onto it (W-CON-009)");
-    return text.empty() ? "" : "; cleaning moved vertices before: " + text;
+    add(copied, std::to_string(copied) + " moved onto a close one of another structure (W-CON-027)");
+    add(onto_plane, "those of " + counted(onto_plane, "contour") + " projected onto their plane (W-CON-009)");
+    return text.empty() ? "" : "; vertices that cleaning moved before: " + text;
 }
 
 Clause clause_vertices(const CertificateInput& input, const StructureFidelity& all,
@@ -355,12 +354,12 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
     }
     above = far + strange;
     std::string text =
-        "on the slices where a structure is drawn: symmetric difference of the cuts by the slices' planes "
-        "and the "
-        "drawn regions " +
+        "on the slices where a structure is drawn: difference between the model's cross-sections and the "
+        "drawn "
+        "regions " +
         percent_text(difference, drawn, 4) + " of the area in all, at most " + percent_text(worst, 1, 3) +
         ", above " + percent_text(contract::section_tolerance, 1, 1) + " in " + count_of(far, total) +
-        " cuts";
+        " cross-sections";
     if (far > 0) {
         text += " (" +
                 worst_places(report, too_far, share,
@@ -370,7 +369,8 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
                              }) +
                 ")";
     }
-    text += "; where it is not drawn: cut in " + count_of(strange, report.sections_not_drawn) + " slices";
+    text += "; where it is not drawn: cross-sections in " + count_of(strange, report.sections_not_drawn) +
+            " slices";
     if (strange > 0) {
         text += " (" +
                 worst_places(
@@ -393,8 +393,8 @@ std::string routed_text(const ModelReport& report) {
         farthest_mm = std::max(farthest_mm, contour.farthest_mm);
     }
     return ", " + std::to_string(report.routed_contours.size()) +
-           " of the contours as they follow the surface in place of " + std::to_string(segments) +
-           " segments of what was drawn, at most " + fixed_text(farthest_mm, 3) + " mm from it";
+           " of the contours after they were moved to edges of the surface at " + std::to_string(segments) +
+           " drawn segments, by at most " + fixed_text(farthest_mm, 3) + " mm";
 }
 
 std::string segments_text(const ContourFindings& findings, const ModelReport& report) {
@@ -411,7 +411,7 @@ std::string segments_text(const ContourFindings& findings, const ModelReport& re
             ")";
     if (findings.contradicted > 0)
         text += ", " + std::to_string(findings.contradicted) +
-                " of the others pass another slice where that draws otherwise";
+                " of the others cross another slice where that slice contradicts them";
     return text;
 }
 
@@ -431,7 +431,7 @@ std::string gross_cuts_text(const ModelReport& report) {
             return section.structure == *n;
         };
         text = "of all slices together " + percent_text(area[1], area[0], 1) + " of the drawn area of " +
-               name + " are amiss, more than " + percent_text(contract::gross_section_share, 1, 0) +
+               name + " are wrong, more than " + percent_text(contract::gross_section_share, 1, 0) +
                " (most on " +
                worst_places(
                    report, of_it, [](const SliceSectionReport& section) { return section.difference_mm2; },
@@ -448,8 +448,8 @@ Clause clause_segments(const CertificateInput& input, const ContourFindings& fin
                        const ModelReport& report) {
     Clause clause{
         2, ClauseState::not_promised_yet,
-        "Every segment of a kept contour is a chain of surface edges; the cut of the model by the slice's "
-        "plane is the drawn region, and nothing where a structure is not drawn.",
+        "Every segment of a kept contour is a chain of surface edges; the cross-section of the model in the "
+        "slice's plane is the drawn region, and empty where a structure is not drawn.",
         "not checked: no contours were given"};
     if (!input.contours) return clause;
     std::size_t above = 0;
@@ -495,7 +495,7 @@ std::string share_text(std::uint64_t part, std::uint64_t total) {
 std::string bad_cells_text(const ShapeFindings& found) {
     std::string text =
         std::to_string(found.bad) +
-        " of the tetrahedra that nothing is known to force are beyond ratio 4 or angle 10 degrees, " +
+        " of the tetrahedra without a known reason in the contours are beyond ratio 4 or angle 10 degrees, " +
         std::to_string(found.gross) + " beyond 100 or 0.05, and " + std::to_string(found.forced_gross) +
         " of those that contours force (";
     for (std::size_t n = 0; n < found.worst.size(); ++n) {
@@ -514,7 +514,7 @@ Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, c
     Clause clause{
         4, ClauseState::kept,
         "Radius-edge ratio at most 2 for every tetrahedron that the input does not force to be "
-        "worse, but for 0.5 % of them while the mean is at most 1.2, and at most 4 for each, with "
+        "worse, except 0.5 % of them while the mean is at most 1.2; at most 4 for each, with "
         "dihedral angles of at least 10 degrees; for none above 100 or with an angle below 0.05 degrees.",
         ""};
     // Negated, so that a mean that is no number breaks the clause.
@@ -526,10 +526,10 @@ Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, c
     clause.evidence = "radius-edge: " + count_of(found.above, report.tetrahedra) + " (" +
                       share_text(found.above, report.tetrahedra) + ") above 2, ";
     clause.evidence += input.contours ? std::to_string(found.forced) + " of them forced by contour points"
-                                      : "what forces them is not known without contours";
+                                      : "the reason is not known without contours";
     clause.evidence += ", mean " + fixed_text(quality.radius_edge_mean, 3);
     if (input.contours && found.above > 0)
-        clause.evidence += " (" + fixed_text(found.mean_free, 3) + " where nothing forces)";
+        clause.evidence += " (" + fixed_text(found.mean_free, 3) + " for those not forced)";
     clause.evidence += ", maximum " + fixed_text(quality.radius_edge_max, 2);
     if (found.above > 0) {
         clause.evidence += report.listed_cells_total <= max_listed_cells
@@ -548,12 +548,12 @@ Clause clause_determinism(const CertificateInput& input) {
     Clause clause{
         5, ClauseState::kept,
         "The same input gives the same bytes, for any number of threads and any order of slices and files "
-        "(but for the report's object `timing`).",
+        "(except the report's object `timing`).",
         "by construction: no stage's result depends on the number of threads, on time or on addresses, and "
         "slices are put in a fixed order before the first stage"};
     if (!input.made_by_this_run) {
         clause.state = ClauseState::not_promised_yet;
-        clause.evidence = "not checked: how this model was made is not known";
+        clause.evidence = "not checked: this run did not make the model";
     }
     return clause;
 }
@@ -561,7 +561,7 @@ Clause clause_determinism(const CertificateInput& input) {
 Clause clause_volume(const CertificateInput& input, const ModelReport& report) {
     Clause clause{6, ClauseState::not_promised_yet,
                   "The volume by mesh equals the integral of the field's own cross-sections within 0.2 %.",
-                  "not checked: the field was not at hand"};
+                  "not checked: the field of the contours was not available"};
     double total = 0, slices = 0, worst = 0;
     std::string worst_name;
     for (const StructureReport& structure : report.structures) {

@@ -120,11 +120,11 @@ TEST(Certificate, clause_2_says_how_many_of_the_segments_missed_another_slice_co
     EXPECT_EQ(structure.contour_segments, 8u);
     EXPECT_EQ(structure.contour_segments_on_surface, 6u);
     EXPECT_EQ(structure.contour_segments_contradicted, 2u);
-    EXPECT_NE(
-        report.certificate[1].evidence.find("2 of the others pass another slice where that draws otherwise"),
-        std::string::npos)
+    EXPECT_NE(report.certificate[1].evidence.find(
+                  "2 of the others cross another slice where that slice contradicts them"),
+              std::string::npos)
         << report.certificate[1].evidence;
-    EXPECT_EQ(Case().measure(true).certificate[1].evidence.find("draws otherwise"), std::string::npos);
+    EXPECT_EQ(Case().measure(true).certificate[1].evidence.find("contradicts them"), std::string::npos);
 }
 
 TEST(Certificate, clause_1_says_what_cleaning_moved_before) {
@@ -135,8 +135,8 @@ TEST(Certificate, clause_1_says_what_cleaning_moved_before) {
         {"W-CON-003", "a contour of fewer than three points", {}, "left out"}};
     EXPECT_EQ(
         Case().measure(true, {}, warnings).certificate[0].evidence,
-        "12 of 12 contour vertices are vertices of their structure's surface, bit for bit; cleaning moved "
-        "vertices before: 4 moved apart where rings touch (W-CON-020), 12 moved onto one of another "
+        "12 of 12 contour vertices are vertices of their structure's surface, bit for bit; vertices that "
+        "cleaning moved before: 4 moved apart where contours touch (W-CON-020), 12 moved onto one of another "
         "structure (W-CON-021)");
 }
 
@@ -187,7 +187,7 @@ TEST(Certificate, cuts_that_are_grossly_amiss_break_clause_2_and_the_structure_a
     const ModelReport report = wide.measure(true);
     EXPECT_EQ(report.certificate[1].state, ClauseState::broken);
     EXPECT_EQ(report.certificate[1].evidence.rfind("measured, not met: of all slices together 25.0 % of the "
-                                                   "drawn area of block are amiss, more than "
+                                                   "drawn area of block are wrong, more than "
                                                    "10 % (most on block, slice k = 0: 4.00 of 16.00 mm2; ",
                                                    0),
               0u)
@@ -291,13 +291,12 @@ TEST(Certificate, a_few_cells_that_spoil_the_mean_break_clause_4) {
 }
 
 TEST(Certificate, evidence_of_shape_says_how_many_of_how_many_and_what_is_not_known) {
-    EXPECT_EQ(
-        shape_of_spoiled(0, 0, false)
-            .evidence.rfind(
-                "radius-edge: 0 of 49152 (0.000 %) above 2, what forces them is not known without contours, "
-                "mean 0.866, maximum 0.87; ",
-                0),
-        0u)
+    EXPECT_EQ(shape_of_spoiled(0, 0, false)
+                  .evidence.rfind(
+                      "radius-edge: 0 of 49152 (0.000 %) above 2, the reason is not known without contours, "
+                      "mean 0.866, maximum 0.87; ",
+                      0),
+              0u)
         << shape_of_spoiled(0, 0, false).evidence;
     EXPECT_NE(
         shape_of_spoiled(4, 0.2, true).evidence.find("above 2, 0 of them forced by contour points, mean 0."),

@@ -292,14 +292,13 @@ void warn_of_outlines(const ContourSet& set, RunContext& context) {
         }
         if (slices.empty()) continue;
         const Structure& structure = set.structures[s];
-        context.warn(
-            {"W-PRI-002",
-             "drawn on slices of its own, and not on those between them, which draw others",
-             {set.source, set.slices[slices.front()].name,
-              structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
-              std::to_string(slices.size()) + " slices"},
-             "its outline there is what its own slices tell, interpolated, not drawn; parts that are apart "
-             "are to be structures of their own"});
+        context.warn({"W-PRI-002",
+                      "slices between those of the structure draw other structures, but not this one",
+                      {set.source, set.slices[slices.front()].name,
+                       structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
+                       std::to_string(slices.size()) + " slices"},
+                      "its outline there was interpolated from its own slices; draw separate parts as "
+                      "separate structures"});
     }
 }
 

@@ -188,9 +188,9 @@ Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std:
         if (!partition.arrange_contours()) {
             return Error{ErrorKind::geometry,
                          "E-PRI-001",
-                         "the contours of a slice cross too often to be parted",
+                         "the contours of the slice cross too often for --priority",
                          {set.source, set.slices[k].name, "", "", ""},
-                         "give no order of the structures"};
+                         "leave out --priority, or draw the contours of this slice again"};
         }
         if (relations != nullptr) partition.add_to(*relations);
         for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
@@ -234,11 +234,11 @@ Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<st
             std::none_of(result.kept.structures.begin(), result.kept.structures.end(), is_it);
         if (result.given[s].all)
             context.warn({"W-PRI-001",
-                          "the structure lies wholly in others that come before it",
+                          "the structure lies entirely in others that have priority over it",
                           {set.source, "", set.structures[s].name, "",
                            brief(result.given[s].area_mm2) + " mm2 on " +
                                std::to_string(result.given[s].slices) + " slices"},
-                          "left out: there is nothing of it in the model; name it before them to keep it"});
+                          "it is not in the model; name it before them in --priority to keep it"});
     }
     result.kept = on_all_slices(result.kept, set);
     if (result.kept.slices.size() == set.slices.size()) {

@@ -123,9 +123,10 @@ class RetryDriver {
         if (walls->cells > (refused ? most_cells_for_walls : most_cells_for_better_walls)) {
             if (!refused || walls->share < most_of_all) return std::nullopt;
             Error error = first.model.error();
-            error.next_step = "structures run about " + brief(walls->thickness_mm) +
-                              " mm beside each other nearly everywhere: --close-gaps gives them one wall, or "
-                              "build them one by one (--separate)";
+            error.next_step =
+                "structures run about " + brief(walls->thickness_mm) +
+                " mm beside each other nearly everywhere: give them a common boundary with --close-gaps, or "
+                "build them one by one with --separate";
             return Result<Model>(std::move(error));
         }
         return with_walls(first, *walls);
@@ -151,9 +152,9 @@ class RetryDriver {
         context_.warn({"W-PIP-001",
                        "structures run about " + brief(walls.thickness_mm) +
                            " mm beside each other nearly everywhere, and edges of " + brief(first.size_mm) +
-                           " mm are too long for what lies between",
+                           " mm are too long for the space between them",
                        {},
-                       "built again with " + brief(walls.size_mm) + " mm"});
+                       "the model was built again with edges of " + brief(walls.size_mm) + " mm"});
         return std::move(other.model);
     }
 
@@ -219,9 +220,9 @@ class RetryDriver {
     Result<Model> before_it() {
         context_.warnings = std::move(kept_->warnings);
         context_.warn({"W-PIP-001",
-                       kept_->sought + " was tried, and was no better",
+                       "a further run was no better: " + kept_->sought,
                        {},
-                       "the model before it was kept"});
+                       "the model of the earlier run was kept"});
         config_ = kept_->config;
         taken_ = kept_->made;
         shown_is_another_ = true;
@@ -266,11 +267,12 @@ class RetryDriver {
                 continue;
             context_.warn(
                 {"W-PIP-001",
-                 "with " + brief(first_mm) +
-                     (is_untangled ? " mm the surface was joined otherwise than the contours show"
-                                   : " mm single contour segments, cuts or cells were not as they may be"),
+                 "with edges of " + brief(first_mm) +
+                     (is_untangled
+                          ? " mm the surface was connected differently from the contours"
+                          : " mm some contour segments, cross-sections or tetrahedra were not good enough"),
                  {},
-                 "built again with " + brief(config_.options.size_mm) + " mm"});
+                 "the model was built again with edges of " + brief(config_.options.size_mm) + " mm"});
             shown_is_another_ = true;
             taken_ = {other.score, other.size_mm};
             best = {std::move(other.model.value()), config_, context_.warnings, taken_, ""};
@@ -340,7 +342,7 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
         return Error{
             ErrorKind::usage,
             "E-PIP-004",
-            "slices that cross where something is drawn have no last ones on which it could end flat",
+            "--caps flat does not apply: the slices cross inside the structure, so that none is the last one",
             {contours.source, "", "", "", ""},
             "give --caps half or rounded"};
     }

@@ -694,8 +694,8 @@ class Builder {
             const bool out_of_reach = clause.number == 2 || clause.number == 4 || clause.number == 6;
             return Error{out_of_reach ? ErrorKind::geometry : ErrorKind::internal,
                          "E-PIP-002",
-                         "clause " + std::to_string(clause.number) +
-                             " of the contract is broken: " + clause.statement + " (" + clause.evidence + ")",
+                         "clause " + std::to_string(clause.number) + " of the certificate is broken: " +
+                             clause.statement + " (" + clause.evidence + ")",
                          {},
                          advice_on_size(mean_thickness(contours_), sample_->stats.size_mm, size_given_) +
                              "; nothing was written"};

@@ -94,12 +94,12 @@ Status check_default_size(const ContourSet& contours) {
     return Error{
         ErrorKind::limit,
         "E-CMD-014",
-        "the slices, " + significant_text(spacing, 3) + " mm apart, call for an edge length of " +
-            significant_text(size, 3) + " mm: that would make about " + significant_text(cells, 2) +
+        "the slices are " + significant_text(spacing, 3) + " mm apart and need an edge length of " +
+            significant_text(size, 3) + " mm, which makes about " + significant_text(cells, 2) +
             " tetrahedra",
         {contours.source, "", "", "", significant_text(between_vertices, 3) + " mm between vertices"},
-        "state the edge length with --size, such as " + significant_text(enough, 2) +
-            "; or check the distance of the slices"};
+        "check the distance of the slices, or give a longer edge, such as --size " +
+            significant_text(enough, 2)};
 }
 
 }  // namespace anatomesh

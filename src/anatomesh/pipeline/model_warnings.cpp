@@ -50,8 +50,9 @@ void warn_of_cuts(const ModelReport& report, const std::string& file, RunContext
                       ? brief(100 * worst->difference_mm2 / worst->drawn_mm2) + " % of the area"
                       : brief(worst->difference_mm2) + " mm2 where it is not drawn";
     context.warn({"W-PIP-003",
-                  "on " + counted(count, "slice") + " the model differs from the drawn region by more than " +
-                      brief(100 * widest_cut) + " % of its area; the worst is named",
+                  "on " + counted(count, "slice") +
+                      " the cross-section of the model differs from the drawn area by more than " +
+                      brief(100 * widest_cut) + " %; the worst slice is named",
                   place, "kept; a smaller --size follows small or thin parts more closely"});
 }
 
@@ -74,20 +75,19 @@ void warn_of_segments(const ModelReport& report, const std::string& file, RunCon
     place.file = file;
     place.structure = worst->name.empty() ? std::to_string(worst->number) : worst->name;
     place.value = counted(missed_of(*worst), "segment");
-    context.warn(
-        {"W-PIP-012",
-         std::to_string(missed) + " of " + std::to_string(all) +
-             " contour segments are not edges of the surface all along" +
-             (contradicted > 0 ? ", " + std::to_string(contradicted) +
-                                     " of them pass another slice where that draws otherwise"
-                               : std::string()) +
-             "; the structure that lacks most is named",
-         place,
-         contradicted == missed ? "kept; look where these slices cross: a surface has one or the other"
-         : report.structures.size() > 1
-             ? "kept; where drawn contours of neighbouring structures run closer to each other than a pixel, "
-               "--close-gaps MM gives them one wall"
-             : "kept; how far cuts by the slices are from what is drawn is in the report"});
+    context.warn({"W-PIP-012",
+                  std::to_string(missed) + " of " + std::to_string(all) +
+                      " contour segments are not followed by edges of the surface" +
+                      (contradicted > 0 ? ", and " + std::to_string(contradicted) +
+                                              " of them cross another slice where that slice contradicts them"
+                                        : std::string()) +
+                      "; the structure with most of them is named",
+                  place,
+                  contradicted == missed         ? "kept; check the drawing where these slices cross"
+                  : report.structures.size() > 1 ? "kept; where contours of neighbouring structures are "
+                                                   "closer than a pixel, --close-gaps gives them a "
+                                                   "common boundary"
+                                                 : "kept; the report states the difference for every slice"});
 }
 
 void warn_of_routed(const ModelReport& report, const std::string& file, RunContext& context) {
@@ -107,14 +107,12 @@ void warn_of_routed(const ModelReport& report, const std::string& file, RunConte
     place.value = brief(farthest->farthest_mm) + " mm";
     context.warn(
         {"W-PIP-013",
-         counted(contours.size(), "contour") + " " + (contours.size() == 1 ? "follows" : "follow") +
-             " the surface in place of " + counted(segments, "drawn segment") +
-             " that no edges of it run along, where planes or contours come too near to each other" +
-             (left > 0 ? ", passing by " + std::to_string(left) + " of the drawn vertices" : std::string()) +
-             "; the one that goes farthest is named",
-         place,
-         "kept as they run on the surface, and reported (followed_contours); --reconcile 0 leaves "
-         "all as they are drawn"});
+         counted(contours.size(), "contour") + " " + (contours.size() == 1 ? "was" : "were") +
+             " moved to edges of the surface at " + counted(segments, "drawn segment") +
+             ", where planes or contours are too close together" +
+             (left > 0 ? ", without " + std::to_string(left) + " of the drawn vertices" : std::string()) +
+             "; the contour moved farthest is named",
+         place, "the report lists them as followed_contours; --reconcile 0 keeps all contours as drawn"});
 }
 
 void warn_of_shells(const StructureReport& structure, const std::string& file, RunContext& context) {
@@ -127,19 +125,18 @@ void warn_of_shells(const StructureReport& structure, const std::string& file, R
         context.warn({"W-PIP-006",
                       counted(shells.without_contour, "closed piece") + " of the surface, of " +
                           brief(shells.without_contour_mm3) +
-                          " mm3 in all, without a contour vertex: nothing that is drawn tells of such a "
-                          "piece; the largest is named",
-                      place, "kept; look there, it may be a crumb or a cavity of the mesh alone"});
+                          " mm3 in all, have no contour vertex, so that no contour explains them; the "
+                          "largest is named",
+                      place, "kept; check this place, it may be an error of the mesh"});
     }
     if (shells.parts_too_many > 0) {
         place.slice = shells.worst_slice;
         place.value = counted(shells.contours_in_parts, "contour");
         context.warn(
             {"W-PIP-007",
-             "the structure came out in more pieces than are drawn: " +
+             "the structure has more parts than are drawn: " +
                  counted(shells.parts_too_many, "closed piece") +
-                 " of its surface too many, for single contours run over several; the worst slice is "
-                 "named",
+                 " of its surface too many, because single contours lie on several; the worst slice is named",
              place, "kept; a smaller --size resolves thin or narrow parts"});
     }
 }
@@ -154,12 +151,12 @@ void warn_of_distance(const ModelReport& report, double size_mm, const std::stri
     place.value = std::string(distance.at_least ? "at least " : "") + brief(distance.max_mm) + " mm at " +
                   at_text(distance.at);
     context.warn({"W-PIP-008",
-                  "the surface leaves the one that the contours tell by more than " +
+                  "the surface is away from the surface given by the contours by more than " +
                       (distance.max_mm > widest_distance * size_mm
                            ? "half the edge length of " + brief(size_mm) + " mm"
-                           : std::string("distances reach in the field")) +
+                           : std::string("can be measured")) +
                       "; the farthest point is named",
-                  place, "kept; look there, it may be a spike, or a crumb that no contour has"});
+                  place, "kept; check this place, it may be a spike or a part that no contour shows"});
 }
 
 // Thinner than an edge is long, and yet not so thin that the mesh may leave it out.
@@ -171,8 +168,9 @@ void warn_of_joints(const ModelReport& report, double size_mm, const std::string
     place.structure = distance.joined_structure;
     place.value = brief(distance.joined_mm) + " mm at " + at_text(distance.joined_at);
     context.warn({"W-PIP-009",
-                  "surfaces meet that the contours tell apart: what lies between them has a hole there; the "
-                  "farthest place is named",
+                  "two surfaces touch that the contours keep apart, so that the wall between them has a "
+                  "hole; the worst place is "
+                  "named",
                   place, "kept; a smaller --size keeps thin walls whole"});
 }
 
@@ -186,10 +184,10 @@ void warn_of_difference(const ModelReport& report, double size_mm, const std::st
     place.structure = difference.structure;
     place.value = brief(difference.max_mm) + " mm at " + at_text(difference.at);
     context.warn({"W-PIP-010",
-                  std::string(difference.missing ? "a part that the contours tell is missing in the model"
-                                                 : "the model has a part that the contours do not tell") +
-                      ", deeper than half the edge length of " + brief(size_mm) +
-                      " mm; the deepest point found is named",
+                  std::string(difference.missing ? "a part that the contours show is missing in the model"
+                                                 : "the model has a part that the contours do not show") +
+                      ", thicker than half the edge length of " + brief(size_mm) +
+                      " mm; the deepest point is named",
                   place, "kept; a smaller --size keeps thin parts"});
 }
 
@@ -210,12 +208,13 @@ void warn_of_flat_cells(const ModelReport& report, const std::string& file, RunC
                   std::to_string(count) + (count == 1 ? " tetrahedron has" : " tetrahedra have") +
                       " a radius-edge ratio above " + brief(contract::gross_radius_edge) +
                       " or an angle below " + brief(contract::gross_dihedral_degrees) +
-                      " degrees, for contours leave them no room; the flattest is named",
+                      " degrees, because contours leave no space for better ones; the flattest is named",
                   {file, "", "", worst->forced_by,
                    brief(worst->min_dihedral_deg) + " degrees at " + brief(worst->at[0]) + " " +
                        brief(worst->at[1]) + " " + brief(worst->at[2])},
-                  "kept, and listed in the report (listed_cells); a solver will not take them: draw these "
-                  "vertices apart, or together"});
+                  "kept and listed in the report (listed_cells); most solvers refuse them; draw these "
+                  "vertices farther apart, or as "
+                  "one"});
 }
 
 }  // namespace
@@ -262,11 +261,10 @@ void warn_of_overlaps(const TetMesh& mesh, const RegionTable& regions, std::span
     context.warn(
         {"W-PIP-015",
          counted(common.size(), "pair") + " of structures " +
-             (common.size() == 1 ? "overlaps" : "overlap; the one that has most in common is named"),
+             (common.size() == 1 ? "overlaps" : "overlap; the pair with the largest overlap is named"),
          {file, "", name(smaller) + " and " + name(larger), "",
           brief(volume) + " mm3, " + brief(100 * volume / of_structure[smaller]) + " % of " + name(smaller)},
-         "kept whole, both: what they have in common is a region of its own; --priority gives it to "
-         "one"});
+         "both were kept whole, and the overlap is a region of its own; --priority gives it to one of them"});
 }
 
 void warn_of_thin_structures(const ContourSet& contours, const std::vector<double>& thickness, double size_mm,
@@ -278,27 +276,27 @@ void warn_of_thin_structures(const ContourSet& contours, const std::vector<doubl
         place.file = contours.source;
         place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
         place.value = brief(thickness[s]) + " mm";
-        context.warn({"W-PIP-002",
-                      "the structure is thinner in the mean than the edge length of " + brief(size_mm) +
-                          " mm: walls may be torn, look at its components and genus",
-                      place, "kept; --size " + brief(thickness[s]) + " resolves it"});
+        context.warn(
+            {"W-PIP-002",
+             "the structure is thinner on average than the edge length of " + brief(size_mm) +
+                 " mm, so that it may have holes",
+             place, "kept; check its components and holes; --size " + brief(thickness[s]) + " resolves it"});
     }
 }
 
 std::string advice_on_size(const std::vector<double>& thickness, double size_mm, bool size_given) {
     if (!size_given) {
         return "edge lengths down to " + brief(size_mm) +
-               " mm were tried: leave out what is thin or jagged (--structure, --min-area), or give a "
-               "smaller "
-               "--size";
+               " mm were tried: leave out thin or jagged structures (--structure, --min-area), or give a "
+               "smaller --size";
     }
     double thinnest = size_mm;
     for (const double t : thickness) {
         if (t > 0) thinnest = std::min(thinnest, t);
     }
-    if (!(thinnest < thin_sizes * size_mm)) return "try another --size";
-    return "what is drawn is only " + brief(thinnest) + " mm thick in the mean: give --size " +
-           brief(thinnest) + " or leave --size out";
+    if (!(thinnest < thin_sizes * size_mm)) return "give another --size";
+    return "the thinnest structure is " + brief(thinnest) + " mm thick on average: give --size " +
+           brief(thinnest) + ", or leave out --size";
 }
 
 void warn_of_constraint_limited_cells(const ModelReport& report, const std::string& file,
@@ -309,13 +307,11 @@ void warn_of_constraint_limited_cells(const ModelReport& report, const std::stri
     place.value = brief(100 * quality.radius_edge_share_over_2) +
                   " % of the tetrahedra above radius-edge ratio 2, " +
                   std::to_string(quality.dihedral_below_10) + " with an angle below 10 degrees";
-    context.warn(
-        {"W-PIP-005",
-         "the planes lie closer than the vertices along their contours; cells between vertices "
-         "that crowd each other were left as they come, and the surface may have pits or spikes there",
-         place,
-         "kept; give a --size for all that can be done for their shapes, which takes several "
-         "times as long"});
+    context.warn({"W-PIP-005",
+                  "the planes are closer together than the vertices of their contours; tetrahedra between "
+                  "them were not improved "
+                  "to save time, and the surface may have pits or spikes there",
+                  place, "kept; give a --size to improve them, which takes several times as long"});
 }
 
 void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,
@@ -332,26 +328,26 @@ void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const S
         place.value = brief(volume.by_field) + " of " + brief(volume.by_slices) + " mm3";
         context.warn(
             {"W-PIP-011",
-             "between its slices the structure has another volume than the areas drawn, each over the "
-             "thickness of its slice",
+             "the volume of the structure differs from the sum of its drawn areas times the slice thickness",
              place,
-             "kept; look there: at a structure on few slices beside or inside another one the surface "
-             "between slices is a guess"});
+             "kept; check the structure; beside or inside another one, a structure on few slices is a guess "
+             "between them"});
     }
 }
 
 Warning built_again(NextRun next, const RunScore& score, const std::string& error, double size_mm) {
     // Of a message up to the figures, which are of a model that nobody gets.
-    const std::string reason = !error.empty()          ? error.substr(0, error.find(" ("))
-                               : score.torn            ? "a thin wall had holes"
-                               : score.conformed_badly ? "a tetrahedron that nothing forces was ill-shaped"
-                                                       : "too many tetrahedra were above radius-edge ratio 2";
+    const std::string reason = !error.empty() ? error.substr(0, error.find(" ("))
+                               : score.torn   ? "a thin wall had holes"
+                               : score.conformed_badly
+                                   ? "a tetrahedron had a bad shape without a reason in the contours"
+                                   : "too many tetrahedra had a radius-edge ratio above 2";
     return {"W-PIP-001",
-            (next != NextRun::finer ? "what was tried before did not keep the contract: "
-                                    : "the default edge length was too coarse for the smallest parts: ") +
+            (next != NextRun::finer ? "the run before did not meet the certificate: "
+                                    : "the default edge length was too long for the smallest parts: ") +
                 reason,
             {},
-            "built again with " + brief(size_mm) + " mm"};
+            "the model was built again with edges of " + brief(size_mm) + " mm"};
 }
 
 std::string sought_by(NextRun next, const RunScore& score) {

@@ -68,9 +68,10 @@ TEST(ModelWarnings, segments_that_are_missed) {
     const std::vector<Warning> alone = warned({3});
     ASSERT_EQ(alone.size(), 1u);
     EXPECT_EQ(alone[0].what_was_done.find("--close-gaps"), std::string::npos);  // nothing is drawn beside it
-    EXPECT_EQ(alone[0].message.find("draws otherwise"), std::string::npos) << alone[0].message;
-    EXPECT_NE(warned({3}, 2)[0].message.find("2 of them pass another slice where that draws otherwise"),
-              std::string::npos)
+    EXPECT_EQ(alone[0].message.find("contradicts them"), std::string::npos) << alone[0].message;
+    EXPECT_NE(
+        warned({3}, 2)[0].message.find("2 of them cross another slice where that slice contradicts them"),
+        std::string::npos)
         << warned({3}, 2)[0].message;
     const std::vector<Warning> warnings = warned({1, 4, 2});
     ASSERT_EQ(warnings.size(), 1u);
@@ -134,12 +135,12 @@ TEST(ModelWarnings, a_model_built_again_says_why_and_how) {
     RunScore score;
     const Warning refused = built_again(NextRun::finer, score, "clause 6 is broken (12 % of 3)", 1.5);
     EXPECT_EQ(refused.code, "W-PIP-001");
-    EXPECT_NE(refused.message.find("too coarse for the smallest parts: clause 6 is broken"),
-              std::string::npos);
+    EXPECT_NE(refused.message.find("too long for the smallest parts: clause 6 is broken"), std::string::npos);
     EXPECT_EQ(refused.message.find("12 %"), std::string::npos) << "figures of a model that nobody gets";
     score.conformed_badly = true;
-    EXPECT_NE(built_again(NextRun::same_size, score, "", 1.5).message.find("nothing forces"),
-              std::string::npos);
+    EXPECT_NE(
+        built_again(NextRun::same_size, score, "", 1.5).message.find("without a reason in the contours"),
+        std::string::npos);
     EXPECT_EQ(sought_by(NextRun::same_size, score),
               "another way to build it for the sake of ill-shaped tetrahedra");
     score.torn = true;

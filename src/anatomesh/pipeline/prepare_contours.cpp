@@ -114,11 +114,10 @@ Status keep_every_nth(ContourSet& kept, const PrepareOptions& options) {
     if (options.every.value_or(1) == 1) return Nothing{};
     const std::string file = input_name(options, kept.source);
     if (!all_parallel(kept, parallel_tolerance_mm))
-        return does_not_apply("--every", file, "the slices are not parallel, so they have no order");
+        return does_not_apply("--every", file, "the slices are not parallel and have no order");
     kept = every_nth_slice(kept, *options.every, options.offset);
     if (kept.contours.empty())
-        return usage_error("no slice is left after --every and --offset", file,
-                           "choose a smaller --every or --offset");
+        return usage_error("--every and --offset leave no slice", file, "give a smaller --every or --offset");
     return Nothing{};
 }
 
@@ -137,7 +136,7 @@ Status thin_and_share(PreparedContours& prepared, const PrepareOptions& options,
     if (options.until == PrepareUntil::chosen || !kept.drawn) return Nothing{};
     if (options.walls.close_gaps_mm > 0 && kept.structures.size() == 1)
         return does_not_apply("--close-gaps", input_name(options, kept.source),
-                              "there is one structure alone");
+                              "there is only one structure");
     share_walls(kept, options.walls, context);
     prepared.options.emplace_back("same_line_mm", number_text(options.walls.same_line_mm));
     prepared.options.emplace_back("close_slivers_mm", number_text(options.walls.close_slivers_mm));
@@ -220,18 +219,18 @@ void warn_of_giving(const ContourSet& set, const PriorityResult& result, const s
     if (std::all_of(result.given.begin(), result.given.end(),
                     [](const GivenOverlap& given) { return given.slices == 0; }))
         context.warn({"W-CMD-007",
-                      "--priority was given, and no structures overlap on any slice",
+                      "--priority was given, but no structures overlap on any slice",
                       {file, "", "", "", ""},
-                      "no contour was changed; between the slices the structures exclude each other"});
+                      "no contour was changed; between slices the structures do not overlap either"});
     for (std::size_t s = 0; s < result.given.size(); ++s) {
         const GivenOverlap& given = result.given[s];
         if (given.slices == 0 || given.all) continue;
         context.warn(
             {"W-CMD-006",
-             "the structure overlaps others, which keep what they have in common",
+             "the structure overlaps others that have priority",
              {file, "", set.structures[s].name, "",
               significant_text(given.area_mm2, 4) + " mm2 on " + std::to_string(given.slices) + " slices"},
-             "taken from it; --priority names what comes first, and of the others the smaller one does"});
+             "they keep the overlap; structures that --priority does not name go from small to large"});
     }
 }
 

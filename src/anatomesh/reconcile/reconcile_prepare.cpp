@@ -79,10 +79,10 @@ Result<ReconcileState> align_rigidly(ReconcileState state, const ReconcileScope&
         state.stats.movements[s].shift = total[s].x * plane.u + total[s].y * plane.v;
         if (length(total[s]) > bound) {
             return Error{ErrorKind::geometry, "E-RCN-002",
-                         "the slice agrees with those that it crosses only when it is shifted by more than " +
+                         "the slice agrees with the slices that it crosses only after a shift of more than " +
                              brief(bound) + " mm",
                          place_of_slice(state.set, s, length(total[s])),
-                         "leave the slice out with --without, or raise the bound with --max-disagreement"};
+                         "leave the slice out with --without, or allow more with --max-disagreement"};
         }
     }
     state.original = original_positions(state.set);

@@ -347,7 +347,8 @@ TEST(Reconcile, C26_a_slice_that_its_image_cuts_off_is_named_where_others_go_on)
     }
     const std::string line = refused(set);
     EXPECT_EQ(line.substr(0, 5), "E-RCN") << line;
-    EXPECT_NE(line.find("if the image of slice cut off ends 4 mm from that line"), std::string::npos) << line;
+    EXPECT_NE(line.find("the contours of slice cut off end 4 mm before that line"), std::string::npos)
+        << line;
 }
 
 // Two stacks of a ball across each other, one of them out of place: what one slice alone has is drawn back,

@@ -596,7 +596,7 @@ Result<PointSample> sample_points(const ContourSet& contours, const SliceArrange
     if (!(needed <= static_cast<double>(options.max_points))) {
         return Error{ErrorKind::limit,
                      "E-SMP-001",
-                     "a size of " + brief(size) + " mm would need about " + brief(needed) +
+                     "an edge length of " + brief(size) + " mm would need about " + brief(needed) +
                          " points, more than " + std::to_string(options.max_points),
                      {},
                      "give a larger --size"};

@@ -114,9 +114,9 @@ Result<LeftOut> leave_slices_out(const ContourSet& set, const LeftOutOptions& op
     if (drawn < 2) {
         return Error{ErrorKind::geometry,
                      "E-UNC-001",
-                     "one slice alone cannot be compared with others",
+                     "a single slice cannot be compared with others",
                      {set.source, "", "", "", std::to_string(drawn) + " slices with contours"},
-                     ""};
+                     "draw the structure on two slices or more"};
     }
     const bool is_stack = all_parallel(set, parallel_tolerance_mm);
     const double spacing = is_stack ? median_spacing(set) : plane_spacings(set, patches).median;

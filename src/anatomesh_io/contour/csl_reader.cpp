@@ -19,7 +19,7 @@ class CslReader {
 
     Status read() {
         if (next_word() != "CSLC")
-            return failure("E-CSL-001", "not a CSL: the first word is not CSLC", word_);
+            return failure("E-CSL-001", "the file is no CSL file: its first word is not CSLC", word_);
         ANATOMESH_TRY(const auto planes, count("number of planes", 8));
         ANATOMESH_TRY([[maybe_unused]] const auto labels, integer("number of labels"));
         for (std::uint64_t i = 0; i < planes; ++i) {
@@ -29,13 +29,13 @@ class CslReader {
         }
         plane_name_.clear();
         if (!next_word().empty())
-            return failure("E-CSL-006", "there is more after the last of the planes that line 2 counts",
-                           word_);
+            return failure("E-CSL-006",
+                           "the file continues after the last of the planes that line 2 announces", word_);
         if (unused_vertices_ > 0)
             builder_.context().warn({"W-CSL-001",
                                      std::to_string(unused_vertices_) + " vertices belong to no component",
                                      {builder_.file(), {}, {}, {}, {}},
-                                     "they are left out"});
+                                     "they were left out"});
         return Nothing{};
     }
 
@@ -111,7 +111,7 @@ class CslReader {
         if (size_word.empty()) return truncated();
         if (!size) return failure("E-CSL-003", "a component's number of vertices is expected", size_word);
         if (*size == 0 || *size > (text_.size() - position_) / 2)
-            return failure("E-CSL-004", "a component with as many vertices cannot be", size_word);
+            return failure("E-CSL-004", "a component has an impossible number of vertices", size_word);
         if (h != std::string_view::npos) {
             const auto parent = parse_integer<std::uint64_t>(size_word.substr(h + 1));
             if (!parent) return failure("E-CSL-003", "a hole's parent is expected after h", size_word);
@@ -155,9 +155,9 @@ class CslReader {
         if (parent.label == hole.label) return Nothing{};
         Place where = place(std::to_string(hole.label));
         where.contour = std::to_string(index);
-        builder_.context().warn({"W-CSL-002", "the label of a hole is not that of its parent",
+        builder_.context().warn({"W-CSL-002", "the label of a hole differs from the label of its outline",
                                  std::move(where),
-                                 "the hole is read as one of label " + std::to_string(parent.label)});
+                                 "the hole was read with label " + std::to_string(parent.label)});
         builder_.set_structure(hole.contour, *builder_.find_structure(parent.label));
         return Nothing{};
     }
@@ -189,15 +189,15 @@ class CslReader {
         const auto value = parse_integer<std::uint64_t>(word_);
         if (!value) return failure("E-CSL-003", std::string("a count is expected: ") + what, word_);
         if (*value > (text_.size() - position_ + 1) / bytes_each)
-            return failure("E-CSL-004", std::string("the rest of the file cannot hold as many: ") + what,
-                           word_);
+            return failure("E-CSL-004",
+                           std::string("the rest of the file is too short for this number: ") + what, word_);
         return *value;
     }
 
     Place place(std::string_view value) const { return {builder_.file(), plane_name_, {}, {}, shown(value)}; }
     Error failure(const char* code, const std::string& message, std::string_view value) const {
         return {ErrorKind::input, code, "line " + std::to_string(line_) + ": " + message, place(value),
-                "correct the file or export it anew"};
+                "correct the file, or export it again"};
     }
     Error truncated() const { return failure("E-CSL-002", "the file ends too early", {}); }
 

@@ -139,7 +139,8 @@ class Walk {
         }
         vr = bytes_.substr(at_, 2);
         const bool is_long = contains(long_vrs, vr);
-        if (!is_long && !contains(short_vrs, vr)) return failure("E-DCL-006", "a VR that there is not", {});
+        if (!is_long && !contains(short_vrs, vr))
+            return failure("E-DCL-006", "the value type (VR) of an element does not exist", {});
         if (is_long && !has(8)) return cut_off();
         length = static_cast<std::uint32_t>(is_long ? number(at_ + 4, 4) : number(at_ + 2, 2));
         at_ += is_long ? 8 : 4;
@@ -173,8 +174,8 @@ class Walk {
         // A level each for a sequence and its item, and one for the data set.
         if (levels_.size() >= 2 * limits_.sequence_depth + 1)
             return Error{ErrorKind::limit, "E-DCL-005",
-                         "sequences nested deeper than " + std::to_string(limits_.sequence_depth), place(),
-                         "the file is damaged, or made to do harm"};
+                         "sequences are nested deeper than " + std::to_string(limits_.sequence_depth),
+                         place(), "do not use this file: it is damaged or malicious"};
         if (length != undefined_length && !has(length)) return too_long(length);
         levels_.push_back({length == undefined_length ? to_delimiter : at_ + length, holds, is_implicit,
                            may_be_no_sequence});
@@ -213,14 +214,18 @@ class Walk {
         where.value = value;
         return {ErrorKind::input, code,
                 "tag " + text_of(tag_) + " at byte " + std::to_string(tag_at_) + ": " + message,
-                std::move(where), "copy or export the file anew"};
+                std::move(where), "copy or export the file again"};
     }
     Error misplaced(const char* message) const { return failure("E-DCL-007", message, {}); }
     Error too_long(std::uint32_t length) const {
-        return failure("E-DCL-004", "longer than what holds it, or the file is cut off",
-                       std::to_string(length) + " bytes");
+        return failure(
+            "E-DCL-004",
+            "the element is longer than the sequence or file around it, so that the file may be cut off",
+            std::to_string(length) + " bytes");
     }
-    Error cut_off() const { return failure("E-DCL-004", "after it, the file or the item is cut off", {}); }
+    Error cut_off() const {
+        return failure("E-DCL-004", "the file or the item is cut off after this element", {});
+    }
 
     std::string_view bytes_;
     std::uint64_t at_, tag_at_ = 0;
@@ -240,7 +245,7 @@ Result<std::string> inflate_data_set(std::string_view deflated, const std::strin
                      "E-DCL-008",
                      "the deflated data set is corrupt or cut off",
                      {file_name, {}, {}, {}, {}},
-                     "copy or export the file anew"};
+                     "copy or export the file again"};
     };
     z_stream stream{};
     if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) return corrupt();
@@ -272,7 +277,7 @@ Result<std::string> inflate_data_set(std::string_view deflated, const std::strin
                          "E-DCL-009",
                          "the deflated data set inflates to more than " + std::to_string(most) + " bytes",
                          {file_name, {}, {}, {}, {}},
-                         "the file is damaged, or made to do harm"};
+                         "do not use this file: it is damaged or malicious"};
         inflated.append(reinterpret_cast<const char*>(chunk.data()), made);
     }
     return inflated;
@@ -303,9 +308,9 @@ Result<DicomEncoding> guess_encoding(std::string_view data, const std::string& f
     }
     return Error{ErrorKind::input,
                  "E-DCL-001",
-                 "no DICOM file: DICM is not at byte 128",
+                 "the file is no DICOM file: it lacks the letters DICM at byte 128",
                  {file_name, {}, {}, {}, {}},
-                 ""};
+                 "give a DICOM file"};
 }
 
 Status settle_syntax(DicomLayout& layout, const std::string& file_name) {
@@ -313,9 +318,9 @@ Status settle_syntax(DicomLayout& layout, const std::string& file_name) {
     if (syntax.empty())
         return Error{ErrorKind::input,
                      "E-DCL-002",
-                     "the meta header names no transfer syntax",
+                     "the meta header does not name the transfer syntax",
                      {file_name, {}, {}, {}, {}},
-                     "export the file anew"};
+                     "export the file again"};
     if (syntax == implicit_syntax)
         layout.encoding = DicomEncoding::implicit_little;
     else if (syntax == big_syntax)
@@ -324,7 +329,7 @@ Status settle_syntax(DicomLayout& layout, const std::string& file_name) {
              !syntax.starts_with("1.2.840.10008.1.2.4.") && syntax != "1.2.840.10008.1.2.5")
         return Error{ErrorKind::input,
                      "E-DCL-003",
-                     "a transfer syntax that is not known",
+                     "the transfer syntax of the file is not known",
                      {file_name, {}, {}, {}, syntax.substr(0, 64)},
                      "export the file as Explicit VR Little Endian"};
     return Nothing{};
@@ -387,15 +392,15 @@ Result<DicomLayout> check_dicom_layout(std::string_view file, const std::string&
 void warn_of_guess(const DicomLayout& layout, const std::string& file_name, RunContext& context) {
     if (layout.has_meta && !layout.has_meta_length)
         context.warn({"W-DCL-002",
-                      "the meta header does not state its length, or another one than it has",
+                      "the meta header does not state its length, or states a wrong one",
                       {file_name, {}, {}, {}, {}},
-                      "it ends where the elements of its group end"});
+                      "the end of its elements was used instead"});
     if (!layout.is_guessed) return;
     context.warn({"W-DCL-001",
                   layout.has_meta ? "the file lacks the preamble of DICOM files"
                                   : "the file lacks the meta header of DICOM files",
                   {file_name, {}, {}, {}, {}},
-                  "it was read in the transfer syntax " + layout.transfer_syntax +
+                  "it was read with the transfer syntax " + layout.transfer_syntax +
                       (layout.has_meta ? ", which it states" : ", guessed from its first element")});
 }
 

@@ -131,16 +131,16 @@ class GuidePointsReader {
         }
         if (left_out_ > 0)
             builder_.context().warn({"W-GPT-001",
-                                     std::to_string(left_out_) + " guide points lie beside their curve",
+                                     std::to_string(left_out_) + " guide points do not lie on their curve",
                                      {builder_.file(), {}, {}, {}, {}},
                                      "they were left out"});
         if (unused_ > 0)
             builder_.context().warn(
                 {"W-GPT-002",
                  std::to_string(unused_) +
-                     " points of the septum fill no gap in the outline of the left ventricle",
+                     " points of the septum do not close a gap in the outline of the left ventricle",
                  {builder_.file(), {}, {}, {}, {}},
-                 "it was left as it is there"});
+                 "they were not used"});
         return Nothing{};
     }
 
@@ -180,11 +180,11 @@ class GuidePointsReader {
         std::array<double, 3> point{};
         for (std::size_t c = 0; c < 3; ++c) {
             const auto value = parse_number(fields[c]);
-            if (!value) return failure("E-GPT-002", "a coordinate that is no number", number, fields[c]);
+            if (!value) return failure("E-GPT-002", "a coordinate is not a number", number, fields[c]);
             point[c] = *value;
         }
         const auto time = parse_integer<std::uint64_t>(fields[6].substr(0, fields[6].find('.')));
-        if (!time) return failure("E-GPT-002", "a time frame that is no whole number", number, fields[6]);
+        if (!time) return failure("E-GPT-002", "the time frame is not a whole number", number, fields[6]);
         ++times_[*time];
         if (time_frame_ && *time != *time_frame_) return Nothing{};
         return collect(std::string(fields[3]), std::string(fields[4]), point, number);
@@ -213,7 +213,7 @@ class GuidePointsReader {
             curve.is_marker = is_marker;
             if (curve.points.size() + curve.lent.size() > most_points) {
                 Error error =
-                    failure("E-GPT-004", "more than 5000 points of a surface in a slice", line, surface);
+                    failure("E-GPT-004", "a surface has more than 5000 points in one slice", line, surface);
                 error.kind = ErrorKind::limit;
                 return error;
             }
@@ -236,7 +236,7 @@ class GuidePointsReader {
         return Error{ErrorKind::input,
                      "E-GPT-003",
                      is_there ? "the file holds guide points of several time frames"
-                              : "there are no guide points of this time frame",
+                              : "the file holds no guide points of this time frame",
                      {builder_.file(), {}, {}, {}, list},
                      "choose one with --volume N"};
     }

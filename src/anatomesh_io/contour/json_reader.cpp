@@ -121,28 +121,29 @@ class Handler final : public nlohmann::json_sax<json> {
     bool key(std::string& name) override {
         Level& top = levels_.back();
         top.key = name;
-        if (!top.keys.insert(name).second) return fail("E-JSN-005", "the member is given twice", {});
+        if (!top.keys.insert(name).second) return fail("E-JSN-005", "the member occurs twice", {});
         top.member = top.node == Node::ignored ? nullptr : member_of(top.node, &name);
         if (!top.member && top.node != Node::ignored && unknown_keys_.insert(name).second)
             builder_.context().warn({"W-JSN-001",
-                                     path() + ": a member of this name is not known",
+                                     path() + ": the program does not know a member of this name",
                                      {builder_.file(), {}, {}, {}, {}},
-                                     "it is ignored, here and elsewhere"});
+                                     "it was ignored everywhere"});
         return true;
     }
 
     bool parse_error(std::size_t position, const std::string&,
                      const nlohmann::detail::exception& reason) override {
         if (cut_)
-            return fail("E-JSN-008", "a text longer than " + std::to_string(max_string_bytes) + " bytes", {});
+            return fail("E-JSN-008", "a text is longer than " + std::to_string(max_string_bytes) + " bytes",
+                        {});
         if (reason.id == 406) return fail("E-JSN-004", "the number is beyond what a double can hold", {});
         std::string_view what = reason.what();
         if (const auto bracket = what.find("] "); bracket != std::string_view::npos)
             what.remove_prefix(bracket + 2);
         bool changed = false;
         return fail("E-JSN-001",
-                    "byte " + std::to_string(position) +
-                        ": not JSON, or cut off: " + valid_utf8(what.substr(0, 300), changed),
+                    "byte " + std::to_string(position) + ": the file is no valid JSON, or it is cut off: " +
+                        valid_utf8(what.substr(0, 300), changed),
                     {});
     }
 
@@ -187,7 +188,7 @@ class Handler final : public nlohmann::json_sax<json> {
                 node = member->child;
         }
         if (levels_.size() >= max_depth)
-            return fail("E-JSN-002", "nested deeper than " + std::to_string(max_depth), {});
+            return fail("E-JSN-002", "the values are nested deeper than " + std::to_string(max_depth), {});
         if (node == Node::contour && !begin_contour()) return false;
         if (node == Node::slice) begin_slice();
         if (node == Node::structure) structure_ = {.number = 0, .name = {}};
@@ -230,7 +231,8 @@ class Handler final : public nlohmann::json_sax<json> {
         if (top.key == "version") return value == 1 || fail("E-JSN-004", "this version is not known", text);
         if (top.key == "pixel_mm") {
             builder_.pixel_mm = value;
-            return (value >= 0 && value <= 1e3) || fail("E-JSN-004", "no size of a pixel", text);
+            return (value >= 0 && value <= 1e3) ||
+                   fail("E-JSN-004", "the pixel size must be from 0 to 1000 mm", text);
         }
         if (top.key == "number" || top.key == "structure") return take_number(value, text);
         return fail_wanted(text);
@@ -243,7 +245,7 @@ class Handler final : public nlohmann::json_sax<json> {
         if (levels_.back().node == Node::structure) {
             structure_.number = whole;
             return !builder_.find_structure(whole) ||
-                   fail("E-JSN-007", "a structure of this number is there", text);
+                   fail("E-JSN-007", "two structures have the same number", text);
         }
         numbers_.back() = whole;
         if (const auto structure = builder_.find_structure(whole))
@@ -420,7 +422,7 @@ Status read_json_contours(std::string_view text, RawBuilder& builder) {
     if (text.starts_with("\xEF\xBB\xBF"))
         return Error{ErrorKind::input,
                      "E-JSN-001",
-                     "byte 0: a byte order mark",
+                     "the file begins with a byte order mark",
                      {builder.file(), {}, {}, {}, {}},
                      "save the file as UTF-8 without a byte order mark"};
     const std::size_t end = end_before_long_string(text);

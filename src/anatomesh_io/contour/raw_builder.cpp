@@ -88,9 +88,9 @@ Result<std::uint32_t> RawBuilder::add_structure(Structure structure) {
     structure.name = valid_utf8(structure.name, changed);
     if (changed)
         context_.warn({"W-CIO-005",
-                       "the name holds bytes that are not text",
+                       "the name contains bytes that are not text",
                        {file(), {}, label_of(structure), {}, {}},
-                       "they are shown as U+FFFD"});
+                       "they were replaced by the sign U+FFFD"});
     const auto index = static_cast<std::uint32_t>(raw_.structures.size());
     index_of_number_.emplace(structure.number, index);
     raw_.structures.push_back(std::move(structure));
@@ -109,7 +109,7 @@ Result<std::uint32_t> RawBuilder::add_plane(Vec3 origin, Vec3 normal, std::strin
     const double squared = squared_length(normal);
     if (!within(origin.x, limit) || !within(origin.y, limit) || !within(origin.z, limit) ||
         !(squared > 1e-200 && squared < 1e200))
-        return Error{ErrorKind::input, "E-CIO-007", "the plane has no normal, or lies too far away", place,
+        return Error{ErrorKind::input, "E-CIO-007", "the plane has no normal, or it is too far away", place,
                      "correct the plane in the file"};
     Plane plane = make_plane(origin, normal);
     // What was written from a unit normal comes back to the last bit.
@@ -151,8 +151,8 @@ Status RawBuilder::add_point(Vec3 point) {
         Place place = point_place(contour.point_count);
         append_number(place.value, value);
         return Error{ErrorKind::input, "E-CIO-005",
-                     "a coordinate that no patient has (not finite, or too large)", std::move(place),
-                     "correct or export the file anew"};
+                     "a coordinate is impossible for a patient (not finite, or too large)", std::move(place),
+                     "correct the file, or export it again"};
     }
     raw_.points.push_back(point);
     ++contour.point_count;
@@ -181,16 +181,16 @@ void RawBuilder::settle_frame(FileFrame asked) {
     if (frame == FileFrame::unknown && asked == FileFrame::unknown) {
         raw_.frame = Frame::unknown;
         context_.warn({"W-CIO-001",
-                       "the file does not say in which axes its coordinates are (LPS or RAS)",
+                       "the file does not state the axes of its coordinates (LPS or RAS)",
                        {file(), {}, {}, {}, {}},
-                       "the numbers are kept as they are, SPACE=unknown; say --frame LPS or --frame RAS"});
+                       "the numbers were kept, with SPACE=unknown; give --frame LPS or --frame RAS"});
         return;
     }
     if (frame != FileFrame::unknown && asked != FileFrame::unknown && asked != frame)
         context_.warn({"W-CIO-002",
-                       "the frame asked for is not the one that the file states",
+                       "--frame differs from the axes that the file states",
                        {file(), {}, {}, {}, asked == FileFrame::lps ? "LPS" : "RAS"},
-                       "the file's own frame is used"});
+                       "the axes of the file were used"});
     raw_.frame = Frame::lps;
     if ((frame == FileFrame::unknown ? asked : frame) != FileFrame::ras) return;
     for (Vec3& point : raw_.points) point = turned(point);
@@ -218,7 +218,7 @@ void RawBuilder::keep_structures_with_contours() {
             context_.warn({"W-CIO-003",
                            "the structure has no contours",
                            {file(), {}, label_of(structure), {}, {}},
-                           "it is skipped"});
+                           "it was left out"});
             continue;
         }
         new_index[old] = static_cast<std::uint32_t>(kept.size());
@@ -235,10 +235,10 @@ void RawBuilder::warn_about_names() {
         const auto [found, is_new] = seen.emplace(plain_name(structure.name), &structure);
         if (is_new) continue;
         context_.warn({"W-CIO-004",
-                       "the name is that of structure number " + std::to_string(found->second->number) +
-                           ", or differs in case and blanks alone",
+                       "structure number " + std::to_string(found->second->number) +
+                           " has the same name, apart from case and blanks",
                        {file(), {}, structure.name, {}, std::to_string(structure.number)},
-                       "both are kept; tell them apart by their numbers"});
+                       "both were kept; use their numbers to choose one"});
     }
 }
 
@@ -252,12 +252,12 @@ Result<RawContours> RawBuilder::finish(FileFrame asked) {
             }
             names += (names.empty() ? "" : ", ") + shown(label_of(structure));
         }
-        return Error{
-            ErrorKind::input,
-            "E-CIO-006",
-            names.empty() ? "no contours, and no structures" : "no contours; structures named: " + names,
-            {file(), {}, {}, {}, {}},
-            "give a file with contours"};
+        return Error{ErrorKind::input,
+                     "E-CIO-006",
+                     names.empty() ? "the file holds no contours and no structures"
+                                   : "the file holds no contours; its structures are " + names,
+                     {file(), {}, {}, {}, {}},
+                     "give a file with contours"};
     }
     keep_structures_with_contours();
     warn_about_names();

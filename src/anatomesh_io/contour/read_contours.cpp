@@ -48,7 +48,7 @@ Status read_content(const InputFile& file, const ReadContoursOptions& options, R
         "E-CIO-008",
         bytes.empty() ? "the file is empty" : std::string("contours are expected, not: ") + name_of(kind),
         {file.path, {}, {}, {}, {}},
-        "contours are read from JSON (anatomesh-contours), CSL, VTK XML polydata (.vtp), DICOM RTSTRUCT"};
+        "give contours as JSON (anatomesh-contours), CSL, VTK XML polydata (.vtp) or DICOM RTSTRUCT"};
 }
 
 }  // namespace

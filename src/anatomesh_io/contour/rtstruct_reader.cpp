@@ -108,9 +108,9 @@ class RtStructReader {
         builder_.context().warn(
             {"W-RTS-006",
              "the contours lie on slices " + rounded(spacing) + " mm apart and span " + rounded(span) +
-                 " mm in all: are they in centimetres?",
+                 " mm in all, so that they may be in centimetres",
              {builder_.file(), {}, {}, {}, rounded(spacing) + " mm apart"},
-             "taken as millimetres, as DICOM has it; if they are not, multiply them by 10"});
+             "they were read as mm, as DICOM requires; if they are not, multiply them by 10 in the file"});
     }
     static std::string rounded(double value) {
         std::array<char, 32> text{};
@@ -142,9 +142,9 @@ class RtStructReader {
         if (done.good() || done == EC_EndOfStream) return Nothing{};
         return Error{ErrorKind::input,
                      "E-RTS-001",
-                     std::string("the DICOM parser refuses it: ") + done.text(),
+                     std::string("the file cannot be read as DICOM: ") + done.text(),
                      {builder_.file(), {}, {}, {}, {}},
-                     "copy or export the file anew"};
+                     "copy or export the file again"};
     }
 
     Status check_class() {
@@ -185,11 +185,11 @@ class RtStructReader {
         ANATOMESH_TRY(const auto structure, builder_.structure_of(number));
         const Place place{builder_.file(), {}, label_of(builder_.structures()[structure]), {}, {}};
         if (!contours_of_.emplace(structure, 0).second)
-            return Error{ErrorKind::input, "E-RTS-004", "two items hold the contours of one ROI", place,
-                         "export the file anew"};
+            return Error{ErrorKind::input, "E-RTS-004", "the contours of one ROI occur in two items", place,
+                         "export the file again"};
         if (!is_declared)
             builder_.context().warn({"W-RTS-001", "the ROI is not declared in StructureSetROISequence", place,
-                                     "its contours are kept, without a name"});
+                                     "its contours were kept without a name"});
         read_color(item, structure, place);
         const auto space = space_of_.find(number);
         builder_.space = space == space_of_.end() ? 0 : space->second;
@@ -212,7 +212,7 @@ class RtStructReader {
         std::uint64_t values = 1;
         for (const char c : data) values += c == '\\';
         if (values % 3 != 0)
-            return failure("E-RTS-006", "ContourData does not hold three numbers a point",
+            return failure("E-RTS-006", "ContourData does not hold three numbers per point",
                            std::to_string(values) + " values", builder_.contour_place());
         ANATOMESH_CHECK_STATUS(builder_.expect_points(values / 3));
         ANATOMESH_CHECK_STATUS(read_points(data, values / 3));
@@ -230,7 +230,7 @@ class RtStructReader {
                 const auto number = parse_number(word);
                 if (!number) {
                     bool changed = false;
-                    return failure("E-RTS-007", "a coordinate that is no number",
+                    return failure("E-RTS-007", "a coordinate is not a number",
                                    valid_utf8(shown(word), changed), builder_.point_place(i));
                 }
                 value = *number;
@@ -255,11 +255,11 @@ class RtStructReader {
             if (type == name) return kind;
         if (!type.empty()) {
             bool changed = false;
-            return failure("E-RTS-008", "a contour type that there is not", valid_utf8(shown(type), changed),
+            return failure("E-RTS-008", "the contour has an unknown type", valid_utf8(shown(type), changed),
                            builder_.contour_place());
         }
         builder_.context().warn({"W-RTS-003", "the contour has no type", builder_.contour_place(),
-                                 "it is taken for CLOSED_PLANAR"});
+                                 "it was read as CLOSED_PLANAR"});
         return ContourKind::closed_planar;
     }
 
@@ -270,8 +270,8 @@ class RtStructReader {
         Place place = builder_.contour_place();
         place.value = valid_utf8(shown(stated), changed);
         builder_.context().warn(
-            {"W-RTS-002", "NumberOfContourPoints is not the number of points in ContourData",
-             std::move(place), "all " + std::to_string(count) + " points of the data are read"});
+            {"W-RTS-002", "NumberOfContourPoints differs from the number of points in ContourData",
+             std::move(place), "all " + std::to_string(count) + " points of ContourData were read"});
     }
 
     void read_color(DcmItem& item, std::uint32_t structure, const Place& place) {
@@ -295,14 +295,14 @@ class RtStructReader {
         Place where = place;
         where.value = valid_utf8(shown(data), changed);
         builder_.context().warn(
-            {"W-RTS-005", "the ROI's colour is none", std::move(where), "a grey is used"});
+            {"W-RTS-005", "the colour of the ROI is not valid", std::move(where), "grey was used"});
     }
 
     Result<std::int32_t> roi_number(DcmItem& item, const DcmTagKey& tag, const std::string& name) {
         const std::string_view text = text_of(item, tag);
         if (const auto number = parse_integer<std::int32_t>(text)) return *number;
         bool changed = false;
-        return failure("E-RTS-003", "the ROI's number is missing or no whole number",
+        return failure("E-RTS-003", "the number of the ROI is missing or not a whole number",
                        valid_utf8(shown(text), changed), {builder_.file(), {}, name, {}, {}});
     }
 
@@ -312,16 +312,16 @@ class RtStructReader {
             dicom_text(text_of(item, DCM_ROIName), text_of(data_set_, DCM_SpecificCharacterSet));
         if (is_exact) return name;
         builder_.context().warn({"W-RTS-004",
-                                 "the name is not in the file's character set, or that is unknown",
+                                 "the name does not fit the file's character set, or that set is unknown",
                                  {builder_.file(), {}, name, {}, {}},
-                                 "what is no UTF-8 in it is shown as U+FFFD"});
+                                 "unreadable letters were replaced by the sign U+FFFD"});
         return name;
     }
 
     static Error failure(const char* code, const char* message, std::string value, Place place) {
         place.value = std::move(value);
         return {ErrorKind::input, code, message, std::move(place),
-                "correct the structure set, or export it anew"};
+                "correct the structure set, or export it again"};
     }
 
     RawBuilder& builder_;

@@ -79,10 +79,11 @@ class VtpReader {
     Status check_contents() {
         const std::string unit = first_text(file_.field("unit"));
         if (!unit.empty() && unit != "mm")
-            return failure("E-VTP-001", "the unit is not mm", shown(unit), "scale the file to millimetres");
+            return failure("E-VTP-001", "the unit of the file is not mm", shown(unit),
+                           "scale the file to millimetres");
         if (file_.strips.size() > 0 || is_surface())
-            return failure("E-VTP-002", "this is a surface, not contours", {},
-                           "cut it by planes, or give the contours");
+            return failure("E-VTP-002", "the file holds a surface, not contours", {},
+                           "give the contours, or cut the surface by planes first");
         const auto has_two = [](std::span<const std::int64_t> points) { return points.size() == 2; };
         std::size_t segments = 0;
         for (std::size_t i = 0; i < file_.lines.size(); ++i) segments += has_two(file_.lines.points_of(i));
@@ -93,7 +94,7 @@ class VtpReader {
             builder_.context().warn({"W-VTP-001",
                                      "cells of single points are no contours",
                                      {path_, {}, {}, {}, {}},
-                                     "they are left out"});
+                                     "they were left out"});
         return Nothing{};
     }
 
@@ -111,8 +112,9 @@ class VtpReader {
                                 : space == "RAS" ? FileFrame::ras
                                                  : FileFrame::unknown;
         if (!is_first && frame != builder_.frame)
-            return failure("E-VTP-005", "the frame is not that of the folder's other files", shown(space),
-                           "give the files one by one, with --frame");
+            return failure("E-VTP-005",
+                           "the axes of the file (frame) differ from those of the other files of the folder",
+                           shown(space), "give the files one by one, with --frame");
         builder_.frame = frame;
         const std::vector<double> pixel = numbers(file_.field("pixel_mm"));
         if (!pixel.empty() && pixel[0] > 0 && pixel[0] <= 1e3) builder_.pixel_mm = pixel[0];
@@ -128,8 +130,8 @@ class VtpReader {
         const std::size_t count = structure_numbers.size();
         if ((!names.empty() && names.size() != count) || (!colors.empty() && colors.size() != 3 * count))
             return failure("E-VTP-006",
-                           "structure_number, structure_name and structure_color are not in step", {},
-                           "write the file anew");
+                           "structure_number, structure_name and structure_color have different lengths", {},
+                           "write the file again");
         for (std::size_t i = 0; i < count; ++i) {
             Structure structure;
             const auto number = whole_number(structure_numbers[i]);
@@ -159,7 +161,7 @@ class VtpReader {
     Status add_structure(Structure structure) {
         const std::int32_t number = structure.number;
         if (builder_.find_structure(number))
-            return failure("E-VTP-004", "a structure of this number is there already", std::to_string(number),
+            return failure("E-VTP-004", "two structures have the same number", std::to_string(number),
                            "give every structure its own number");
         ANATOMESH_TRY([[maybe_unused]] const auto index, builder_.add_structure(std::move(structure)));
         return Nothing{};
@@ -174,8 +176,9 @@ class VtpReader {
         cell_slices_ = numbers(first_number_array(file_, {"slice"}));
         if (origins.size() != 3 * count || normals.size() != 3 * count ||
             (!names.empty() && names.size() != count) || cell_slices_.empty())
-            return failure("E-VTP-006", "slice_origin, slice_normal, slice_name and slice are not in step",
-                           {}, "write the file anew");
+            return failure("E-VTP-006",
+                           "slice_origin, slice_normal, slice_name and slice have different lengths", {},
+                           "write the file again");
         for (std::size_t i = 0; i < count; ++i) {
             const Vec3 origin{origins[3 * i], origins[3 * i + 1], origins[3 * i + 2]};
             const Vec3 normal{normals[3 * i], normals[3 * i + 1], normals[3 * i + 2]};
@@ -226,8 +229,8 @@ class VtpReader {
     Error not_a_number(const char* array, double value) const {
         std::string text;
         append_number(text, value);
-        return failure("E-VTP-006", std::string("the array `") + array + "` holds what cannot be",
-                       std::move(text), "write the file anew");
+        return failure("E-VTP-006", std::string("the array `") + array + "` holds an impossible value",
+                       std::move(text), "write the file again");
     }
     Error failure(const char* code, std::string message, std::string value, const char* next) const {
         bool changed = false;
@@ -300,7 +303,7 @@ Status read_vtp_folder(const std::string& folder, const InputLimits& file_limits
             "E-VTP-007",
             failed ? "the folder cannot be listed: " + failed.message() : "the folder holds no .vtp file",
             {folder, {}, {}, {}, {}},
-            "name the file with the contours"};
+            "give the file with the contours"};
     std::sort(names.begin(), names.end(), natural_less);
     std::int32_t number = 0;
     for (const std::string& name : names) {

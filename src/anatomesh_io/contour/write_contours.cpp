@@ -22,7 +22,7 @@ Result<ContourFormat> contour_format_of(const std::string& path) {
         if (extension == known) return format;
     return Error{ErrorKind::usage,
                  "E-CIO-009",
-                 "contours are not written to a file of this extension",
+                 "the extension of the output is no format for contours",
                  {path, {}, {}, {}, extension},
                  "use .json, .vtp or .csl"};
 }
@@ -31,10 +31,10 @@ std::string format_contours(const ContourSet& set, ContourFormat format, RunCont
     if (format == ContourFormat::json) return format_json_contours(set);
     if (format == ContourFormat::vtp) return format_vtp_contours(set, context.threads);
     context.warn({"W-CIO-006",
-                  "CSL holds no names, no colours and no frame",
+                  "the CSL format holds no names, no colours and no axes",
                   {set.source, {}, {}, {}, {}},
-                  set.frame == Frame::lps ? "they are left out; say --frame LPS when reading it"
-                                          : "they are left out"});
+                  set.frame == Frame::lps ? "they were left out; give --frame LPS when you read the file"
+                                          : "they were left out"});
     return format_csl(set);
 }
 

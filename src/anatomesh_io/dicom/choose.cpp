@@ -85,7 +85,7 @@ class Chooser {
             const auto [kept, is_new] = first.emplace(object.sha256, index);
             if (!is_new)
                 context_.warn({"W-DCM-003",
-                               "the file is there twice",
+                               "the folder holds the file twice",
                                {object.label, "", "", "", folder_.objects[kept->second].label},
                                "it was read once"});
             return !is_new;
@@ -116,8 +116,9 @@ class Chooser {
                                                               DicomKind::segmentation})));
         if (!folder_.damaged.empty()) return folder_.damaged[0];
         return choice_error("E-DCM-031",
-                            folder_.objects.empty() ? "no DICOM object is here"
-                                                    : "no image, RTSTRUCT or SEG is among the DICOM objects",
+                            folder_.objects.empty()
+                                ? "the folder holds no DICOM object"
+                                : "none of the DICOM objects is an image, RTSTRUCT or SEG",
                             folder_.path, fmt::format("{} files", folder_.files),
                             "give a folder with a series, an RTSTRUCT or a SEG");
     }
@@ -131,11 +132,12 @@ class Chooser {
         if (found.size() == 1) return found[0];
         const auto all = of_kind({DicomKind::image, DicomKind::rtstruct, DicomKind::segmentation});
         bool changed = false;
-        return choice_error("E-DCM-028",
-                            found.empty() ? "there is no such series in the folder"
-                                          : "several series of the folder have this name",
-                            folder_.path, valid_utf8(series.substr(0, 64), changed),
-                            all.empty() ? "there is none" : "there are: " + list_of(folder_, all));
+        return choice_error(
+            "E-DCM-028",
+            found.empty() ? "the folder holds no series of this UID or name"
+                          : "several series of the folder have this name",
+            folder_.path, valid_utf8(series.substr(0, 64), changed),
+            all.empty() ? "the folder holds no series" : "the series are: " + list_of(folder_, all));
     }
 
     // The series that an object refers to, when it is there; else nothing.
@@ -155,10 +157,11 @@ class Chooser {
         const bool has_others = !of_kind({DicomKind::image}).empty();
         if (images.empty() && !object.referenced_series.empty() && has_others) {
             if (options_.match_by_geometry) return images;
-            return choice_error("E-DCM-035",
-                                "none of the images that the object refers to is here, but others are",
-                                object.label, list_of(folder_, of_kind({DicomKind::image})),
-                                "--match-by-geometry finds those it lies on; or give the object alone");
+            return choice_error(
+                "E-DCM-035",
+                "the folder holds none of the images that the object refers to, but it holds others",
+                object.label, list_of(folder_, of_kind({DicomKind::image})),
+                "find the images by position with --match-by-geometry, or give the object alone");
         }
         for (const std::uint32_t index : images) {
             const DicomObject& image = folder_.objects[index];
@@ -174,21 +177,21 @@ class Chooser {
         if (other_frame && !options_.ignore_frame_of_reference)
             return choice_error(
                 "E-DCM-032",
-                "the contours and their images have different frames of reference: no transform "
-                "is applied",
+                "the contours and their images have different frames of reference, and no transform between "
+                "them is known",
                 object.label, image.label,
-                "give the object alone, or --ignore-frame-of-reference to take both as they are");
+                "give the object alone, or use both as they are with --ignore-frame-of-reference");
         const bool other_patient = image.patient_key != object.patient_key || image.study != object.study;
         if (other_patient && !options_.ignore_patient)
             return choice_error("E-DCM-033", "the object and its images are of different patients or studies",
                                 object.label, image.label,
-                                "give the object alone, or --ignore-patient to take both as they are");
+                                "give the object alone, or use both as they are with --ignore-patient");
         if ((other_frame || other_patient) && !warned_)
             context_.warn({"W-DCM-022",
                            other_frame ? "the object and its images have different frames of reference"
                                        : "the object and its images are of different patients or studies",
                            {object.label, {}, {}, {}, image.label},
-                           "this was ignored, as the command asks"});
+                           "they were used together, because the command allows it"});
         warned_ = warned_ || other_frame || other_patient;
         return Nothing{};
     }
@@ -203,9 +206,10 @@ class Chooser {
                        fmt::format("{} of {} images that the object refers to are not in what was given",
                                    absent, object.referenced_instances.size()),
                        {object.label, {}, {}, {}, {}},
-                       images.empty() ? "it was read without its images, and not compared with them; give a "
-                                        "folder that holds both for that"
-                                      : "it was compared with those that are here"});
+                       images.empty()
+                           ? "it was read without comparing it with them; give a folder that holds both to "
+                             "compare them"
+                           : "it was compared with the images that are there"});
     }
 
     const DicomFolder& folder_;

@@ -106,10 +106,9 @@ void check_unit(const RawContours& contours, const ImagePlanes& images, const Co
         if (scaled.on == 0 || scaled.between + scaled.outside > 0) continue;
         context.warn(
             {"W-DCM-023",
-             fmt::format("the contours would lie on the images if their coordinates were {}: check the unit",
-                         unit),
+             fmt::format("the contours would lie on the images if their coordinates were in {}", unit),
              {contours.source, {}, {}, {}, {}},
-             "they were taken for mm, as the standard has it"});
+             "they were read as mm, as the standard requires; check the unit"});
     }
 }
 
@@ -142,17 +141,17 @@ Status check_against_images(const RawContours& contours, const DicomFolder& fold
                      "E-DCM-037",
                      "all contours lie outside the images they refer to",
                      {contours.source, {}, {}, {}, fmt::format("{} contours", counts.outside)},
-                     "check that they belong together; --allow-outside takes them where they are"};
+                     "check that they belong together, or accept them with --allow-outside"};
     if (counts.between > 0)
         context.warn({"W-DCM-019",
                       fmt::format("{} contours lie between the images they refer to", counts.between),
                       {contours.source, {}, {}, {}, fmt::format("up to {:.3g} mm", counts.worst)},
-                      "they stay where their coordinates say"});
+                      "their coordinates were used"});
     if (counts.outside > 0)
         context.warn({"W-DCM-020",
                       fmt::format("{} contours lie outside the images they refer to", counts.outside),
                       {contours.source, {}, {}, {}, {}},
-                      "they stay where their coordinates say"});
+                      "their coordinates were used"});
     return Nothing{};
 }
 
@@ -171,10 +170,10 @@ Result<std::vector<std::uint32_t>> match_images(const RawContours& contours, con
         list += (list.empty() ? "" : "; ") + describe_series(folder, *series);
     return Error{ErrorKind::input,
                  "E-DCM-036",
-                 matches.empty() ? "the planes of no image series here are those of the contours"
+                 matches.empty() ? "no image series here has the planes of the contours"
                                  : "several image series here have the planes of the contours",
                  {contours.source, {}, {}, {}, list},
-                 "give the object alone, or with its own images alone"};
+                 "give the object alone, or only with its own images"};
 }
 
 void check_references(const DicomItem& rtstruct, const DicomFolder& folder,
@@ -204,7 +203,7 @@ void check_references(const DicomItem& rtstruct, const DicomFolder& folder,
     context.warn({"W-DCM-024",
                   fmt::format("{} contours refer to an image at another place", wrong),
                   {rtstruct.set().name(), {}, {}, {}, fmt::format("up to {:.4g} mm away", worst)},
-                  "they stay where their coordinates say"});
+                  "their coordinates were used"});
 }
 
 }  // namespace anatomesh

@@ -87,7 +87,7 @@ Error value_error(const char* code, const DicomItem& item, DicomTag tag, const s
             code,
             text_of(tag) + " " + what,
             {item.set().name(), {}, {}, {}, valid_utf8(shown(item.text(tag)), changed)},
-            "correct the file, or export it anew"};
+            "correct the file, or export it again"};
 }
 
 }  // namespace
@@ -157,7 +157,7 @@ Result<DataSet> DataSet::parse(std::string_view file, const std::string& name, D
                                       "E-DCM-001",
                                       "the file has more than " + std::to_string(max_elements) + " elements",
                                       {name, {}, {}, {}, {}},
-                                      "the file is damaged, or made to do harm"}
+                                      "do not use this file: it is damaged or malicious"}
                               : std::move(layout).error();
     if (partial) *partial = std::move(set);
     return error;

@@ -38,9 +38,9 @@ Result<std::vector<std::string>> files_below(const std::string& path, const Dico
     if (error)
         return Error{ErrorKind::file,
                      "E-INP-002",
-                     "the folder may not be read",
+                     "the folder cannot be read",
                      {path, {}, {}, {}, {}},
-                     "check its permissions"};
+                     "check the permissions of the folder"};
     for (; at != end; at.increment(error)) {
         if (error) break;
         std::error_code ignored;
@@ -201,13 +201,13 @@ class Scanner {
                            fmt::format("{} of {} files in the folder are no DICOM objects", folder_.skipped,
                                        folder_.files),
                            {folder_.path, {}, {}, {}, {}},
-                           "they were passed over"});
+                           "they were ignored"});
         if (!folder_.damaged.empty() && folder_.files > 1)
             context_.warn({"W-DCM-002",
-                           fmt::format("{} DICOM files are damaged before they say what they belong to",
+                           fmt::format("{} DICOM files are so damaged that their series is unknown",
                                        folder_.damaged.size()),
                            {folder_.damaged[0].place.file, {}, {}, {}, folder_.damaged[0].message},
-                           "they were passed over"});
+                           "they were ignored"});
     }
 
     const DicomFolderOptions& options_;

@@ -85,22 +85,24 @@ Status read_place(const DataSet& set, const FrameGroups& groups, std::uint32_t f
     ANATOMESH_TRY(const auto position, decimals(at, tags::image_position, 3));
     ANATOMESH_TRY(const auto orientation, decimals(along, tags::image_orientation, 6));
     if (!position || !orientation)
-        return frame_error("E-DCM-004", set, frame.frame, frames,
-                           fmt::format("{} is missing: the image has no place in space",
-                                       position ? "ImageOrientationPatient" : "ImagePositionPatient"),
-                           {}, "give a series with positions; convert others to NIfTI or NRRD with theirs");
+        return frame_error(
+            "E-DCM-004", set, frame.frame, frames,
+            fmt::format("{} is missing, so that the position of the image is unknown",
+                        position ? "ImageOrientationPatient" : "ImagePositionPatient"),
+            {}, "give a series with positions, or convert it to NIfTI or NRRD with known positions");
     const Orientation axes = orthonormal(*orientation);
     if (!(axes.error < 0.01))
         return frame_error("E-DCM-005", set, frame.frame, frames,
                            "ImageOrientationPatient is not two unit vectors at right angles",
-                           vector_text(*orientation), "correct the file, or export it anew");
+                           vector_text(*orientation), "correct the file, or export it again");
     worst_orientation = std::max(worst_orientation, axes.error);
     frame.row = axes.row;
     frame.column = axes.column;
     for (double each : *position)
         if (!(std::abs(each) <= farthest_mm))
-            return frame_error("E-DCM-008", set, frame.frame, frames, "the position lies beyond 1e7 mm",
-                               vector_text(*position), "correct the file, or export it anew");
+            return frame_error("E-DCM-008", set, frame.frame, frames,
+                               "the position of the image is beyond 1e7 mm", vector_text(*position),
+                               "correct the file, or export it again");
     const auto clean = [](double x) { return std::abs(x) < 1e-300 ? 0.0 : x; };
     frame.position = {clean((*position)[0]), clean((*position)[1]), clean((*position)[2])};
     return Nothing{};
@@ -151,9 +153,9 @@ Result<std::optional<std::vector<double>>> spacing_of_regions(const DataSet& set
         list += fmt::format("{}{}: {:.6g} x {:.6g} mm", i ? ", " : "", found.region[i], scale[0], scale[1]);
     }
     if (chosen)
-        return frame_error("E-DCM-034", set, 0, 1, "there is no such calibrated ultrasound region",
-                           std::to_string(*chosen),
-                           list.empty() ? "give a calibrated image" : "choose one of " + list);
+        return frame_error(
+            "E-DCM-034", set, 0, 1, "the image has no calibrated ultrasound region of this number",
+            std::to_string(*chosen), list.empty() ? "give a calibrated image" : "choose one of " + list);
     if (found.scales.empty())
         return frame_error(
             "E-DCM-006", set, 0, 1,
@@ -161,7 +163,7 @@ Result<std::optional<std::vector<double>>> spacing_of_regions(const DataSet& set
             fmt::format("{} regions", found.regions), "give a calibrated series");
     if (!is_one)
         return frame_error("E-DCM-034", set, 0, 1, "the ultrasound regions have different scales", list,
-                           "choose the one to take with --ultrasound-region N");
+                           "choose one with --ultrasound-region N");
     return std::optional(std::vector{found.scales[0][1], found.scales[0][0]});
 }
 
@@ -172,11 +174,11 @@ Status compare_with_regions(const DataSet& set, const std::vector<DicomFrame>& f
     for (const auto& scale : found.value().scales)
         if (same_scale(scale, frames[0].spacing)) return Nothing{};
     const auto& scale = found.value().scales[0];
-    context.warn(
-        {"W-DCM-021",
-         "the scale of the ultrasound region is not the PixelSpacing",
-         {set.name(), {}, {}, {}, fmt::format("{:.6g} x {:.6g} mm", scale[0], scale[1])},
-         fmt::format("PixelSpacing counts: {:.6g} x {:.6g} mm", frames[0].spacing[0], frames[0].spacing[1])});
+    context.warn({"W-DCM-021",
+                  "the scale of the ultrasound region differs from PixelSpacing",
+                  {set.name(), {}, {}, {}, fmt::format("{:.6g} x {:.6g} mm", scale[0], scale[1])},
+                  fmt::format("PixelSpacing was used: {:.6g} x {:.6g} mm", frames[0].spacing[0],
+                              frames[0].spacing[1])});
     return Nothing{};
 }
 
@@ -191,13 +193,13 @@ Status read_spacing(const DataSet& set, const FrameGroups& groups, std::uint32_t
         return frame_error(
             "E-DCM-006", set, frame.frame, frames,
             set.root().find(tags::imager_pixel_spacing)
-                ? "PixelSpacing is missing; ImagerPixelSpacing is that of the detector, not of the patient"
+                ? "PixelSpacing is missing; ImagerPixelSpacing applies to the detector, not to the patient"
                 : "PixelSpacing is missing",
             {}, "give a calibrated series");
     for (const double each : *spacing)
         if (!(each >= 1e-6 && each <= 1e4))
-            return frame_error("E-DCM-006", set, frame.frame, frames, "PixelSpacing is not usable",
-                               vector_text(*spacing), "correct the file, or export it anew");
+            return frame_error("E-DCM-006", set, frame.frame, frames, "PixelSpacing is not a possible size",
+                               vector_text(*spacing), "correct the file, or export it again");
     // The first value is the distance of rows, the second that of columns.
     frame.spacing = {(*spacing)[1], (*spacing)[0]};
     return Nothing{};
@@ -243,15 +245,15 @@ Status check_shared_orientation(const DataSet& set, const FrameGroups& groups, s
     const std::string own = orientation(groups.own()), shared = orientation(groups.shared());
     if (own.empty() || shared.empty() || own == shared) return Nothing{};
     return frame_error("E-DCM-009", set, frame, 2,
-                       "the frame's orientation is not the one that all frames share", shown(own),
-                       "correct the file, or export it anew");
+                       "the orientation of the frame contradicts the orientation that all frames share",
+                       shown(own), "correct the file, or export it again");
 }
 
 Result<std::uint32_t> frame_count(const DicomItem& root) {
     ANATOMESH_TRY(const auto stated, whole_number(root, tags::number_of_frames));
     if (!stated) return std::uint32_t{1};
     if (*stated < 1 || static_cast<std::uint64_t>(*stated) > max_frames) {
-        Error error = bad_value(root, tags::number_of_frames, "is no usable number of frames");
+        Error error = bad_value(root, tags::number_of_frames, "is not a possible number of frames");
         error.code = "E-DCM-007";
         return error;
     }
@@ -361,9 +363,10 @@ Result<std::vector<DicomFrame>> read_frames(const DataSet& set, RunContext& cont
     ANATOMESH_TRY(const std::uint32_t count, frame_count(root));
     const std::vector<DicomItem> per_frame = root.items(tags::per_frame_groups);
     if (count > 1 && per_frame.size() != count)
-        return frame_error("E-DCM-007", set, 0, 1,
-                           fmt::format("{} frames, but places for {}", count, per_frame.size()), {},
-                           "give a series of single images, or an enhanced multi-frame object");
+        return frame_error(
+            "E-DCM-007", set, 0, 1,
+            fmt::format("the file has {} frames, but positions for {}", count, per_frame.size()), {},
+            "give a series of single images, or an enhanced multi-frame object");
     ANATOMESH_TRY(const auto rows, unsigned_short(root, tags::rows));
     ANATOMESH_TRY(const auto columns, unsigned_short(root, tags::columns));
     ANATOMESH_TRY(const auto number, whole_number(root, tags::instance_number));
@@ -388,7 +391,7 @@ Result<std::vector<DicomFrame>> read_frames(const DataSet& set, RunContext& cont
         context.warn({"W-DCM-005",
                       "ImageOrientationPatient is not exactly two unit vectors at right angles",
                       {set.name(), {}, {}, {}, fmt::format("off by {:.2g}", worst_orientation)},
-                      "it was made so"});
+                      "the vectors were corrected"});
     ANATOMESH_CHECK_STATUS(compare_with_regions(set, frames, context));
     return frames;
 }
@@ -438,16 +441,16 @@ Result<PixelFormat> read_pixel_format(const DataSet& set, RunContext& context) {
     if (format.high_bit + 1 != format.bits_stored) {
         const bool usable = format.high_bit < bits && format.high_bit + 1 >= format.bits_stored;
         context.warn({"W-DCM-006",
-                      "HighBit is not BitsStored - 1",
+                      "HighBit differs from BitsStored - 1",
                       {set.name(), {}, {}, {}, std::to_string(format.high_bit)},
-                      usable ? "the values were taken from below that bit" : "the lowest bits were taken"});
+                      usable ? "the bits below HighBit were read" : "the lowest bits were read"});
         if (!usable) format.high_bit = format.bits_stored - 1;
     }
     if (photometric == "MONOCHROME1")
         context.warn({"W-DCM-007",
-                      "low values are shown bright (MONOCHROME1)",
+                      "the image shows low values bright (MONOCHROME1)",
                       {set.name(), {}, {}, {}, {}},
-                      "the values were kept as they are stored"});
+                      "the stored values were used"});
     return format;
 }
 

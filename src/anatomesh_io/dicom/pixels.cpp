@@ -24,8 +24,9 @@ Error pixel_error(const char* code, const DataSet& set, std::string message, std
 }
 
 Error no_frames(const DataSet& set, std::size_t fragments, std::uint32_t frames) {
-    return pixel_error("E-DCM-019", set, "the fragments of the compressed pixels cannot be told to frames",
-                       fmt::format("{} fragments, {} frames", fragments, frames), "export the file anew");
+    return pixel_error("E-DCM-019", set,
+                       "the fragments of the compressed pixels cannot be assigned to frames",
+                       fmt::format("{} fragments, {} frames", fragments, frames), "export the file again");
 }
 
 // Parts the fragments at the offsets of the basic offset table, which count from the first fragment's item.
@@ -98,13 +99,13 @@ Result<PixelData> find_pixel_data(const DataSet& set, const PixelFormat& format,
     const DicomItem root = set.root();
     const DicomElement* element = root.find(tags::pixel_data);
     if (!element)
-        return pixel_error("E-DCM-017", set, "there is no pixel data", {}, "give the images themselves");
+        return pixel_error("E-DCM-017", set, "the file holds no pixels", {}, "give the image files");
     PixelData data;
     const std::string& syntax = set.layout().transfer_syntax;
     const bool has_fragments = element->end > static_cast<std::uint32_t>(element - set.elements().data()) + 1;
     if (has_fragments || syntax.starts_with("1.2.840.10008.1.2.4.") || syntax == "1.2.840.10008.1.2.5") {
         if (!can_decode(syntax) || format.bits_allocated == 1)
-            return pixel_error("E-DCM-020", set, "pixels compressed in a way that is not read",
+            return pixel_error("E-DCM-020", set, "the program does not read this compression of pixels",
                                syntax.substr(0, 64), "decompress the series, for example with gdcmconv");
         data.is_compressed = true;
         ANATOMESH_TRY(data.fragments, frames_of(set, root.fragments(tags::pixel_data), format.frames));
@@ -115,14 +116,14 @@ Result<PixelData> find_pixel_data(const DataSet& set, const PixelFormat& format,
     const std::uint64_t bits = format.frame_bits();
     if (bits > (std::uint64_t{1} << 62) / format.frames ||
         (bits * format.frames + 7) / 8 > data.values.size())
-        return pixel_error("E-DCM-018", set, "PixelData is shorter than the header claims",
+        return pixel_error("E-DCM-018", set, "the pixel data is shorter than the header states",
                            fmt::format("{} bytes for {} frames of {} x {} pixels", data.values.size(),
                                        format.frames, format.columns, format.rows),
-                           "copy or export the file anew");
+                           "copy or export the file again");
     const std::uint64_t claimed = (bits * format.frames + 7) / 8;
     if (data.values.size() > claimed + claimed % 2)
         context.warn({"W-DCM-016",
-                      "bytes follow the pixels",
+                      "the file has bytes after its pixels",
                       {set.name(), {}, {}, {}, std::to_string(data.values.size() - claimed)},
                       "they were ignored"});
     data.values = data.values.substr(0, claimed);

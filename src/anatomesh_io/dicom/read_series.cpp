@@ -43,14 +43,15 @@ Result<std::vector<std::uint32_t>> without_duplicates(const DicomFolder& folder,
             const bool same_uid = !object.sop_instance.empty() && object.sop_instance == before.sop_instance;
             if (object.sha256 == before.sha256 && (same_uid || object.sop_instance.empty())) {
                 context.warn({"W-DCM-003",
-                              "the file is there twice",
+                              "the folder holds the file twice",
                               {object.label, {}, {}, {}, before.label},
                               "it was read once"});
                 continue;
             }
             if (same_uid)
-                return series_error("E-DCM-024", "two files of one SOPInstanceUID differ", object.label,
-                                    before.label, "remove the one that is wrong");
+                return series_error("E-DCM-024",
+                                    "two files have the same SOPInstanceUID but different content",
+                                    object.label, before.label, "remove the wrong file");
         }
         kept.push_back(index);
     }
@@ -74,9 +75,9 @@ Status check_frame_of_reference(const DicomFolder& folder, const std::vector<std
     }
     if (first && absent)
         context.warn({"W-DCM-004",
-                      "slices without frame of reference",
+                      "some slices do not state a frame of reference",
                       {absent->label, {}, {}, {}, {}},
-                      "they were taken for slices of the same"});
+                      "the frame of the other slices was used"});
     return Nothing{};
 }
 
@@ -91,17 +92,17 @@ Status check_image_types(const DicomFolder& folder, const std::vector<std::uint3
     for (const std::uint32_t index : objects) {
         const DicomObject& object = folder.objects[index];
         if (has_word(object.image_type, "MOSAIC"))
-            return series_error("E-DCM-026", "a mosaic: many slices in one picture", object.label, {},
-                                "convert it to NIfTI, for example with dcm2niix");
+            return series_error("E-DCM-026", "the image is a mosaic with many slices in one picture",
+                                object.label, {}, "convert it to NIfTI, for example with dcm2niix");
         if (!has_word(object.image_type, "LOCALIZER")) continue;
         ++localizers;
         one = &object;
     }
     if (localizers > 0 && localizers < objects.size())
         context.warn({"W-DCM-017",
-                      "a localizer among the slices",
+                      "one of the slices is a localizer (scout image)",
                       {one->label, {}, {}, {}, {}},
-                      "it was read like the others"});
+                      "it was read like the other slices; check the series"});
     return Nothing{};
 }
 
@@ -146,7 +147,7 @@ class FrameReader {
         size_ = frame_bytes(*format_);
         ANATOMESH_CHECK_STATUS(check_size(count));
         SharedBytes values(size_ * count);
-        if (!values.data()) return too_large("there is no memory for the pixels", count);
+        if (!values.data()) return too_large("the memory does not suffice for the pixels", count);
         of_object_.assign(planes_.objects.size(), {});
         for (std::size_t i = 0; i < place_of.size(); ++i)
             if (place_of[i] >= 0)
@@ -190,7 +191,7 @@ class FrameReader {
         if (pixels * count > options_.max_voxels)
             return too_large("the series has more voxels than the limit", count);
         if (size_ * count > std::max(free_bytes, largest_ratio * bytes))
-            return too_large("the series claims more pixels than its files can hold", count);
+            return too_large("the series announces more pixels than its files can hold", count);
         return Nothing{};
     }
 
@@ -199,7 +200,7 @@ class FrameReader {
         ANATOMESH_TRY(const InputFile file, read_input_file(object(o).path, options_.limits));
         if (file.sha256() != object(o).sha256)
             return series_error("E-DCM-027", "the file changed while it was read", object(o).label, {},
-                                "wait until it is written, then run again");
+                                "wait until the file is complete, then run the command again");
         ANATOMESH_TRY(const DataSet set, DataSet::parse(as_text(file.bytes()), object(o).label));
         ANATOMESH_TRY(const PixelData data, find_pixel_data(set, *format_, context_));
         if (data.is_compressed) return true;
@@ -221,7 +222,7 @@ class FrameReader {
         const DicomObject& failed = object(compressed[std::min(result.failure.step, compressed.size() - 1)]);
         return series_error("E-DCM-021", "the pixels cannot be decoded: " + result.failure.reason,
                             failed.label, failed.transfer_syntax.substr(0, 64),
-                            "copy or export the file anew");
+                            "copy or export the file again");
     }
 
     // In the child.
@@ -261,15 +262,15 @@ Status check_formats(const DicomFolder& folder, const SeriesPlanes& planes) {
         format.frames = first.frames;
         if (format == first) continue;
         return series_error(
-            "E-DCM-025", "the slices are stored in different ways", object.label,
+            "E-DCM-025", "the slices are stored with different pixel types", object.label,
             fmt::format("{} of {} bits{}, others {} of {}{}", format.bits_stored, format.bits_allocated,
                         format.is_signed ? " signed" : "", first.bits_stored, first.bits_allocated,
                         first.is_signed ? " signed" : ""),
-            "give slices of one kind");
+            "give slices of one pixel type");
     }
     if (first.bits_allocated == 1)
-        return series_error("E-DCM-025", "pixels of one bit are no grey image", planes.labels[0], {},
-                            "give the images themselves");
+        return series_error("E-DCM-025", "the pixels have one bit, and a grey image needs more",
+                            planes.labels[0], {}, "give the grey images");
     return Nothing{};
 }
 
@@ -362,7 +363,7 @@ Result<LoadedImage> read_dicom_series(const DicomFolder& folder, const std::vect
         if (!scaled.reserve(bytes))
             return Error{ErrorKind::limit,
                          "E-DCM-022",
-                         "there is no memory for the pixels",
+                         "the memory does not suffice for the pixels",
                          {folder.path, {}, {}, {}, {}},
                          "give fewer slices"};
         scaled.set_size(bytes);

@@ -62,7 +62,7 @@ class SegmentationReader {
                 code,
                 std::move(message),
                 {set_.name(), std::move(slice), std::move(structure), {}, std::move(value)},
-                "correct the segmentation, or export it anew"};
+                "correct the segmentation, or export it again"};
     }
     Place place(std::string structure, std::string value = {}) const {
         return {set_.name(), {}, std::move(structure), {}, std::move(value)};
@@ -77,14 +77,14 @@ class SegmentationReader {
             return Nothing{};
         }
         if (sop_class != "1.2.840.10008.5.1.4.1.1.66.4")
-            return error("E-SEG-001", "this DICOM object is no segmentation (SEG) of voxels",
+            return error("E-SEG-001", "the DICOM object is no segmentation (SEG) of voxels",
                          std::string(sop_class.substr(0, 64)));
         if (type == "BINARY")
             type_ = SegmentationType::binary;
         else if (type == "FRACTIONAL")
             type_ = SegmentationType::fractional;
         else
-            return error("E-SEG-006", "a type of segmentation that is not read",
+            return error("E-SEG-006", "the program does not read this type of segmentation",
                          std::string(type.substr(0, 40)));
         return Nothing{};
     }
@@ -95,21 +95,21 @@ class SegmentationReader {
                           : type_ == SegmentationType::fractional ? bits == 8
                                                                   : bits == 8 || bits == 16;
         if (fits && !format_.is_signed) return Nothing{};
-        return error("E-SEG-006", "pixels that do not fit the type of segmentation",
+        return error("E-SEG-006", "the pixels do not fit the type of the segmentation",
                      fmt::format("{} bits", bits));
     }
 
     Status read_segments() {
         for (const DicomItem& item : root_.items(tags::segment_sequence)) {
             ANATOMESH_TRY(const auto number, unsigned_short(item, tags::segment_number));
-            if (!number) return error("E-SEG-002", "a segment without number");
+            if (!number) return error("E-SEG-002", "a segment has no number");
             Structure structure;
             structure.number = static_cast<std::int32_t>(*number);
             structure.name = dicom_text(item.text(tags::segment_label), root_.text(tags::character_set)).text;
             if (const std::string_view lab = item.bytes(tags::recommended_color); lab.size() == 6)
                 structure.color = color_of_lab(lab, set_.is_big_endian());
             if (!segments_.emplace(*number, std::move(structure)).second)
-                return error("E-SEG-002", "two segments of one number", std::to_string(*number));
+                return error("E-SEG-002", "two segments have the same number", std::to_string(*number));
         }
         return Nothing{};
     }
@@ -129,7 +129,8 @@ class SegmentationReader {
             if (item) {
                 ANATOMESH_TRY(number, unsigned_short(*item, tags::referenced_segment_number));
             }
-            if (!number) return error("E-SEG-007", "a frame does not say its segment", {}, {}, frame_name(f));
+            if (!number)
+                return error("E-SEG-007", "the frame does not name its segment", {}, {}, frame_name(f));
             segment_of_frame_.push_back(*number);
             if (segments_.contains(*number)) continue;
             segments_[*number].number = static_cast<std::int32_t>(*number);
@@ -150,7 +151,7 @@ class SegmentationReader {
                                      length(frames_[f].column - frames_[0].column) < same_frame_direction &&
                                      frames_[f].spacing == frames_[0].spacing;
             if (!is_parallel)
-                return error("E-SEG-003", "the frames do not lie in parallel planes of one kind", {}, {},
+                return error("E-SEG-003", "the frames do not lie in parallel planes of one size", {}, {},
                              frame_name(f));
         }
         const auto height = [&](std::uint32_t f) {
@@ -172,7 +173,7 @@ class SegmentationReader {
                 slices_ > 1 ? std::round((height(f) - height(first)) / span * last_slice) : 0;
             const Vec3 expected = frames_[first].position + slice * step;
             if (length(expected - frames_[f].position) > grid_tolerance * spacing)
-                return error("E-SEG-004", "the frames lie on no common grid of planes",
+                return error("E-SEG-004", "the frames are not equidistant",
                              fmt::format("off by {:.3g} mm", length(expected - frames_[f].position)), {},
                              frame_name(f));
             slice_of_frame_[f] = static_cast<std::uint32_t>(slice);
@@ -219,7 +220,7 @@ class SegmentationReader {
         if (smallest > 0) return smallest;
         const double one = stated.value_or(0) > 1e-6 ? *stated : thickness.value_or(0);
         if (one > 1e-6 && one < 1e4) return one;
-        return error("E-SEG-004", "one plane alone, and no word on its thickness");
+        return error("E-SEG-004", "the segmentation has a single plane and does not state its thickness");
     }
 
     Status check_frames_once() {
@@ -239,7 +240,7 @@ class SegmentationReader {
             if (missing == 0) continue;
             context_.warn({"W-SEG-004",
                            fmt::format("{} planes are missing between the frames of a segment", missing),
-                           place(name_of(segment)), "they were taken for empty, as the format allows"});
+                           place(name_of(segment)), "they were read as empty, as the format allows"});
         }
         return Nothing{};
     }
@@ -305,14 +306,14 @@ class SegmentationReader {
             ANATOMESH_TRY(const auto stated, unsigned_short(root_, tags::maximum_fractional_value));
             const std::uint32_t most = stated.value_or(255);
             if (most == 0 || most > 255)
-                return error("E-SEG-006", "MaximumFractionalValue is not usable", std::to_string(most));
+                return error("E-SEG-006", "MaximumFractionalValue is not possible", std::to_string(most));
             lowest = std::max(1.0, options_.threshold * most);
             context_.warn(
                 {"W-SEG-001",
-                 fmt::format("a fractional segmentation ({})",
+                 fmt::format("the segmentation holds fractions ({})",
                              root_.text(tags::fractional_type) == "OCCUPANCY" ? "occupancy" : "probability"),
                  place({}),
-                 fmt::format("{} of the maximum and more was taken for inside", options_.threshold)});
+                 fmt::format("voxels from {} of the maximum on were read as inside", options_.threshold)});
         }
         std::map<std::uint32_t, std::vector<std::uint32_t>> frames_of_segment;
         for (std::uint32_t f = 0; f < frames_.size(); ++f)
@@ -335,9 +336,9 @@ class SegmentationReader {
                 for_each_inside(f, lowest, [&](std::size_t voxel) { layer.voxels[voxel] = label; });
         }
         if (layers_.size() > 1)
-            context_.warn(
-                {"W-SEG-005", "segments overlap", place({}),
-                 fmt::format("they were read as {} layers and may overlap in the model", layers_.size())});
+            context_.warn({"W-SEG-005", "segments overlap", place({}),
+                           fmt::format("they were read as {} layers, and the structures overlap in the model",
+                                       layers_.size())});
         return Nothing{};
     }
 
@@ -399,7 +400,7 @@ class SegmentationReader {
     }
 
     Result<LoadedSegmentation> finish() {
-        if (layers_.empty()) return error("E-SEG-005", "every segment is empty");
+        if (layers_.empty()) return error("E-SEG-005", "all segments are empty");
         LoadedSegmentation loaded;
         loaded.layers = std::move(layers_);
         renumber_zero(loaded.layers);
@@ -420,8 +421,8 @@ class SegmentationReader {
             }
         if (!zero) return;
         zero->number = largest + 1;
-        context_.warn({"W-SEG-006", "a segment has the number 0, which means outside", place(zero->name, "0"),
-                       fmt::format("it was given the number {}", zero->number)});
+        context_.warn({"W-SEG-006", "a segment has the number 0, which is reserved for outside",
+                       place(zero->name, "0"), fmt::format("it was given the number {}", zero->number)});
         for (LabelMap& layer : layers) sort_structures(layer);
     }
     static void sort_structures(LabelMap& layer) {

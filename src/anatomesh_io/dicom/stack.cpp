@@ -166,7 +166,7 @@ class Stacker {
         if (options_.volume) {
             if (*options_.volume < volumes.size()) return static_cast<std::size_t>(*options_.volume);
             return error("E-DCM-015",
-                         fmt::format("there is no such volume; the series holds {}", volumes.size()),
+                         fmt::format("the series has no volume of this number; it holds {}", volumes.size()),
                          series_place(std::to_string(*options_.volume)),
                          fmt::format("choose one with --volume N, 0 to {}", volumes.size() - 1));
         }
@@ -181,7 +181,7 @@ class Stacker {
             return error("E-DCM-012", fmt::format("the slices have {} different orientations", stacks),
                          place(volumes.back()[0]), next);
         return error("E-DCM-013",
-                     fmt::format("the series holds {} volumes at the same places", volumes.size()),
+                     fmt::format("the series holds {} volumes at the same positions", volumes.size()),
                      series_place(), next);
     }
     // How a volume differs from the others, for the list.
@@ -206,10 +206,10 @@ class Stacker {
                 std::abs(frame.spacing[1] - first.spacing[1]) <= 1e-4 * first.spacing[1];
             if (same_size && same_spacing) continue;
             return error("E-DCM-011", "the slices differ in size or pixel spacing",
-                         place(i, fmt::format("{} x {} pixels of {} x {} mm, others {} x {} of {} x {}",
+                         place(i, fmt::format("{} x {} pixels of {} x {} mm, other slices {} x {} of {} x {}",
                                               frame.columns, frame.rows, frame.spacing[0], frame.spacing[1],
                                               first.columns, first.rows, first.spacing[0], first.spacing[1])),
-                         "give slices of one kind");
+                         "give slices of one size");
         }
         return Nothing{};
     }
@@ -226,10 +226,10 @@ class Stacker {
                                    ? facts_.spacing_between_slices
                                    : facts_.slice_thickness;
         if (!thickness || !(*thickness > 1e-6) || !(*thickness < 1e4))
-            return error("E-DCM-016", "one slice alone, and no word on how thick it is", place(frame),
-                         "give the whole series");
-        context_.warn({"W-DCM-013", "one slice alone", place(frame),
-                       fmt::format("it was taken for {} mm thick, as stated", *thickness)});
+            return error("E-DCM-016", "the series has a single slice and does not state its thickness",
+                         place(frame), "give the whole series");
+        context_.warn({"W-DCM-013", "the series has a single slice", place(frame),
+                       fmt::format("its stated thickness of {} mm was used", *thickness)});
         Stack stack;
         stack.geometry = geometry_of(frame, 1, *thickness * normal(frame));
         stack.slices.push_back({frame, frame, 0});
@@ -244,8 +244,8 @@ class Stacker {
         const Vec3 along = normal(first);
         const double spacing = dot(step, along);
         if (!(length(step - spacing * along) <= 3 * spacing))  // steeper than any gantry tilts
-            return error("E-DCM-014", "the positions of the slices run along the slices", series_place(),
-                         "correct the files, or export them anew");
+            return error("E-DCM-014", "the slices are displaced within their planes, not along their normal",
+                         series_place(), "correct the files, or export them again");
         double worst = 0;
         std::uint32_t worst_frame = first;
         for (std::size_t k = 0; k < volume.size(); ++k) {
@@ -293,14 +293,15 @@ class Stacker {
             return error(
                 "E-DCM-014", "slices are missing or not equidistant",
                 series_place(fmt::format("usually {:.6g} mm apart: {}", usual, gaps_text(volume, usual))),
-                "give the missing slices, or --allow-gaps to interpolate linearly between the others");
+                "give the missing slices, or interpolate them linearly with --allow-gaps");
         // Where every gap is a multiple of the usual one, all slices stay where they are.
         const bool are_multiples = std::all_of(gaps.begin(), gaps.end(), [&](double gap) {
             return std::abs(gap / usual - std::round(gap / usual)) < options_.even && gap > usual / 2;
         });
         const double target = are_multiples ? usual : gaps.front();
         if (!(target > 1e-3 * mean))
-            return error("E-DCM-014", "slices nearly at the same place", series_place(), "correct the files");
+            return error("E-DCM-014", "two slices have nearly the same position", series_place(),
+                         "correct the files");
         const auto count = static_cast<std::size_t>(std::llround(at.back() / target)) + 1;
         const double even = at.back() / static_cast<double>(count - 1);
         const Vec3 span = frames_[volume.back()].position - frames_[volume.front()].position;
@@ -334,7 +335,7 @@ class Stacker {
             const double off = length(frames_[volume[k]].position - expected);
             const DicomFrame& frame = frames_[volume[k]];
             if (off <= 0.05 * std::min(frame.spacing[0], frame.spacing[1])) continue;
-            return error("E-DCM-014", "the slices do not lie above each other",
+            return error("E-DCM-014", "the slices are displaced within their planes",
                          place(volume[k], fmt::format("{:.3g} mm aside", off)),
                          "give slices of one acquisition");
         }
@@ -347,25 +348,27 @@ class Stacker {
         const double spacing = dot(step, along);
         if (const auto stated = facts_.spacing_between_slices;
             stated && !stack.is_uneven && std::abs(*stated - spacing) > 0.01 * spacing)
-            context_.warn({"W-DCM-010", "SpacingBetweenSlices is not the distance of the positions",
+            context_.warn({"W-DCM-010",
+                           "SpacingBetweenSlices differs from the distance between the positions",
                            series_place(fmt::format("{:.6g} mm, positions {:.6g} mm", *stated, spacing)),
-                           "the positions count"});
+                           "the positions were used"});
         const double shear =
             std::atan2(length(step - spacing * along), spacing) * 180 / 3.14159265358979323846;
         if (const auto tilt = facts_.gantry_tilt; tilt && std::abs(*tilt) > 0.5 && shear < 0.1)
-            context_.warn({"W-DCM-011", "a gantry tilt is stated that the positions do not have",
-                           series_place(fmt::format("{:.3g} degrees", *tilt)), "the positions count"});
+            context_.warn({"W-DCM-011", "the file states a gantry tilt, but the positions show none",
+                           series_place(fmt::format("{:.3g} degrees", *tilt)), "the positions were used"});
         double extent = 0;
         for (int axis = 0; axis < 3; ++axis)
             extent = std::max(extent, length(stack.geometry.step[axis]) * stack.geometry.size[axis]);
         if (extent > largest_usual_mm || extent < smallest_usual_mm)
-            context_.warn({"W-DCM-012", "the extent of the image is unusual: check the units",
-                           series_place(fmt::format("{:.4g} mm", extent)), "nothing was scaled"});
+            context_.warn({"W-DCM-012", "the size of the image is unusual for a patient",
+                           series_place(fmt::format("{:.4g} mm", extent)),
+                           "the numbers were kept; check the unit"});
         if (const auto stated = facts_.images_in_acquisition;
             stated && *stated > static_cast<double>(volume.size()) && *stated < 1e6)
-            context_.warn({"W-DCM-015", "there are fewer slices than the series states",
+            context_.warn({"W-DCM-015", "the series states more slices than there are",
                            series_place(fmt::format("{} of {:.0f}", volume.size(), *stated)),
-                           "those that are there were read"});
+                           "the slices that are there were read"});
         check_numbers(volume);
     }
 
@@ -378,7 +381,7 @@ class Stacker {
         }
         if (rises || falls) return;
         context_.warn({"W-DCM-008", "the InstanceNumbers are not in the order of the positions",
-                       series_place(), "the positions count"});
+                       series_place(), "the positions were used"});
     }
 
     static Error error(const char* code, std::string message, Place place, std::string next_step) {

@@ -124,23 +124,24 @@ Status check_folder(const std::string& folder, const std::string& path) {
     if (::stat(folder.c_str(), &status) != 0) {
         const int why = errno;
         if (why == ENOENT || why == ENOTDIR) {
-            return file_error("E-FILE-001", "there is no folder " + folder, path,
-                              "create it, or choose another");
+            return file_error("E-FILE-001", "the folder " + folder + " does not exist", path,
+                              "create the folder, or choose another one");
         }
-        return file_error("E-FILE-002", "folder cannot be used: " + reason(why), path, advice(why));
+        return file_error("E-FILE-002", "the folder cannot be used: " + reason(why), path, advice(why));
     }
     if (!S_ISDIR(status.st_mode)) {
-        return file_error("E-FILE-001", folder + " is not a folder", path, "choose another");
+        return file_error("E-FILE-001", folder + " is not a folder", path, "choose a folder");
     }
     // A folder without any write permission is meant to stay as it is, even when the user is root.
     if ((status.st_mode & 0222) == 0 || ::access(folder.c_str(), W_OK | X_OK) != 0) {
-        return file_error("E-FILE-002", "folder " + folder + " is read-only", path, advice(EACCES));
+        return file_error("E-FILE-002", "the folder " + folder + " is read-only", path, advice(EACCES));
     }
     return Nothing{};
 }
 
 Result<Target> find_target(const std::string& path) {
-    if (path.empty()) return file_error("E-FILE-011", "the name of the output is empty", path, "name a file");
+    if (path.empty())
+        return file_error("E-FILE-011", "the name of the output is empty", path, "give the name of a file");
     if (too_long(path)) {
         return file_error("E-FILE-005", "the path is too long (" + std::to_string(path.size()) + " bytes)",
                           path.substr(0, 100) + "...", "choose a shorter one");
@@ -342,7 +343,7 @@ Status AtomicFile::finish() {
     if (const int why = synced != 0 ? synced : closed; why != 0) {
         return file_error(
             "E-FILE-009",
-            "the " + std::to_string(size_) + " bytes could not be brought to the disk: " + reason(why), path_,
+            "the " + std::to_string(size_) + " bytes could not be written to the disk: " + reason(why), path_,
             advice(why));
     }
     finished_ = true;
@@ -368,7 +369,7 @@ Status AtomicFile::place() {
         placed_ = how;
         return Nothing{};
     }
-    return file_error("E-FILE-010", "the finished file could not be given its name: " + reason(why), path_,
+    return file_error("E-FILE-010", "the finished file could not be renamed: " + reason(why), path_,
                       advice(why));
 }
 

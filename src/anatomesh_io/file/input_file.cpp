@@ -25,7 +25,8 @@ Error failure(ErrorKind kind, const char* code, std::string message, const std::
 }
 
 Error no_memory(const std::string& path, std::uint64_t bytes) {
-    return failure(ErrorKind::limit, "E-INP-009", fmt::format("no memory for {} bytes", bytes), path,
+    return failure(ErrorKind::limit, "E-INP-009",
+                   fmt::format("the memory does not suffice for {} bytes", bytes), path,
                    "use a machine with more memory, or a smaller image");
 }
 
@@ -57,21 +58,25 @@ Result<OpenedFile> open_regular_file(const std::string& path) {
     if (descriptor.number < 0) {
         const int number = errno;
         if (number == ENOENT || number == ENOTDIR)
-            return failure(ErrorKind::file, "E-INP-001", "no such file", path, "check the path");
+            return failure(ErrorKind::file, "E-INP-001", "the file does not exist", path, "check the path");
         if (number == EACCES || number == EPERM)
-            return failure(ErrorKind::file, "E-INP-002", "the file may not be read", path,
-                           "check its permissions");
+            return failure(ErrorKind::file, "E-INP-002", "the file cannot be read", path,
+                           "check the permissions of the file");
         if (number == ENXIO)
-            return failure(ErrorKind::file, "E-INP-004", "not a regular file", path, "give a file");
-        return failure(ErrorKind::file, "E-INP-005", "cannot be opened: " + system_message(number), path);
+            return failure(ErrorKind::file, "E-INP-004", "the path is not a regular file", path,
+                           "give a file");
+        return failure(ErrorKind::file, "E-INP-005", "the file cannot be opened: " + system_message(number),
+                       path);
     }
     struct stat state {};
     if (::fstat(descriptor.number, &state) != 0)
-        return failure(ErrorKind::file, "E-INP-005", "cannot be opened: " + system_message(errno), path);
+        return failure(ErrorKind::file, "E-INP-005", "the file cannot be opened: " + system_message(errno),
+                       path);
     if (S_ISDIR(state.st_mode))
-        return failure(ErrorKind::file, "E-INP-003", "is a folder", path, "give one file in it");
+        return failure(ErrorKind::file, "E-INP-003", "the path is a folder", path,
+                       "give one file of the folder");
     if (!S_ISREG(state.st_mode))
-        return failure(ErrorKind::file, "E-INP-004", "not a regular file", path, "give a file");
+        return failure(ErrorKind::file, "E-INP-004", "the path is not a regular file", path, "give a file");
     return OpenedFile{std::move(descriptor), state};
 }
 
@@ -117,7 +122,7 @@ Result<InputFile> read_input_file(const std::string& path, const InputLimits& li
     const auto size = static_cast<std::uint64_t>(opened.state.st_size);
     if (size > limits.max_file_bytes)
         return failure(ErrorKind::limit, "E-INP-008",
-                       fmt::format("the file has {} bytes, the limit is {}", size, limits.max_file_bytes),
+                       fmt::format("the file has {} bytes, and the limit is {}", size, limits.max_file_bytes),
                        path);
     InputFile file{path, {}};
     // One byte more than stated, to see whether the file grew meanwhile.
@@ -127,7 +132,7 @@ Result<InputFile> read_input_file(const std::string& path, const InputLimits& li
     struct stat after {};
     if (done != size || ::fstat(opened.descriptor.number, &after) != 0 || !same_state(opened.state, after))
         return failure(ErrorKind::file, "E-INP-007", "the file changed while it was read", path,
-                       "wait until it is written, then run again");
+                       "wait until the file is complete, then run the command again");
     file.content.set_size(done);
     return file;
 }
@@ -238,23 +243,23 @@ bool all_zero(std::span<const std::byte> bytes) {
 
 void warn_trailing(std::span<const std::byte> rest, const std::string& path, RunContext& context) {
     if (all_zero(rest)) return;  // tapes and block devices pad with zeros
-    context.warn({"W-INP-001", fmt::format("{} bytes follow the compressed data", rest.size()),
+    context.warn({"W-INP-001", fmt::format("the file has {} bytes after its compressed data", rest.size()),
                   Place{path, "", "", "", ""}, "they were ignored"});
 }
 
 Error beyond_limit(std::uint64_t compressed, std::uint64_t inflated, const std::string& path) {
-    return failure(ErrorKind::limit, "E-INP-012",
-                   fmt::format("{} compressed bytes inflate to {} bytes or more, beyond the limit",
-                               compressed, inflated),
-                   path, "inflate the file with gunzip if you trust it");
+    return failure(
+        ErrorKind::limit, "E-INP-012",
+        fmt::format("{} compressed bytes expand to {} bytes or more, beyond the limit", compressed, inflated),
+        path, "expand the file with gunzip if you trust it");
 }
 
 Error inflate_error(int code, const Inflater& inflater, std::size_t produced, const std::string& path) {
     if (code == Z_MEM_ERROR) return no_memory(path, produced);
     if (code == Z_BUF_ERROR && inflater.at_end())
         return failure(ErrorKind::input, "E-INP-010",
-                       fmt::format("the compressed data ends early, after {} inflated bytes", produced), path,
-                       "copy or download the file again");
+                       fmt::format("the compressed data ends too early, after {} expanded bytes", produced),
+                       path, "copy or download the file again");
     return failure(ErrorKind::input, "E-INP-011",
                    fmt::format("the compressed data is damaged near byte {} ({})", inflater.consumed(),
                                inflater.message()),

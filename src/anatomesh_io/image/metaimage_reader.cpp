@@ -29,7 +29,7 @@ Error key_error(const char* code, const std::string& message, const std::string&
 }
 
 Error bad_meta_value(std::string_view key, const std::string& path, std::string_view value) {
-    return key_error("E-MTI-003", fmt::format("the key {} has a value that is not usable", key), path, value);
+    return key_error("E-MTI-003", fmt::format("the key {} has an impossible value", key), path, value);
 }
 
 // Several keys have more than one name.
@@ -113,10 +113,10 @@ Result<Header> parse_header(std::span<const std::byte> content, const std::strin
         if (key == "ElementDataFile") {
             header.data_begin = reader.position();
             if (unknown > 0)
-                context.warn(image_warning(
-                    "W-MTI-001",
-                    fmt::format("{} unknown keys, the first is {}", unknown, shown(first_unknown)), path,
-                    shown(first_unknown), "ignored"));
+                context.warn(image_warning("W-MTI-001",
+                                           fmt::format("the header has {} unknown keys, and the first is {}",
+                                                       unknown, shown(first_unknown)),
+                                           path, shown(first_unknown), "they were ignored"));
             return header;
         }
     }
@@ -156,7 +156,7 @@ Result<Shape> shape_of(const Header& header, const std::string& path) {
         {"MET_LONG", VoxelType::i32},       {"MET_ULONG", VoxelType::u32}, {"MET_LONG_LONG", VoxelType::i64},
         {"MET_ULONG_LONG", VoxelType::u64}, {"MET_FLOAT", VoxelType::f32}, {"MET_DOUBLE", VoxelType::f64}};
     if (header.has("ObjectType") && header.get("ObjectType") != "Image")
-        return key_error("E-MTI-005", "the file holds no image", path, header.get("ObjectType"));
+        return key_error("E-MTI-005", "the file does not hold an image", path, header.get("ObjectType"));
     Shape shape;
     const auto axes = parse_integer(header.get("NDims"));
     if (!axes || *axes < 3 || *axes > 10) return bad_meta_value("NDims", path, header.get("NDims"));
@@ -214,14 +214,14 @@ Result<ImageGeometry> geometry_of(const Header& header, const Shape& shape, cons
         ANATOMESH_TRY(matrix, numbers(header, "TransformMatrix", n * n, path));
     }
     if (!header.has("Offset") || !header.has("TransformMatrix"))
-        context.warn(image_warning("W-MTI-002", "the image does not say its position or its direction", path,
-                                   "",
-                                   "voxel 0 at the origin, axes along the frame's, where they were missing"));
+        context.warn(image_warning("W-MTI-002", "the image does not state its position or its directions",
+                                   path, "",
+                                   "voxel 0 was put at the origin, with axes along those of the patient"));
     const std::string_view orientation = header.get("AnatomicalOrientation");
     if (!orientation.empty() && orientation != "RAI" && orientation.find('?') == std::string_view::npos)
         context.warn(image_warning("W-MTI-003",
-                                   "AnatomicalOrientation is not RAI, the convention of the transform", path,
-                                   shown(orientation), "it was ignored, the transform was read as LPS"));
+                                   "AnatomicalOrientation is not RAI, which the transform requires", path,
+                                   shown(orientation), "it was ignored, and the transform was read as LPS"));
     ANATOMESH_TRY(const double millimetres, unit_of(header, path));
     ImageGeometry geometry;
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -136,8 +136,9 @@ Status check_magic(const NiftiFields& fields, NiftiHeader& header, const std::st
     if (fields.magic != single && fields.magic != pair) {
         const bool analyze = one && fields.magic == "\0\0\0\0"sv;
         return image_error("E-NII-003",
-                           analyze ? "an ANALYZE header, or a NIfTI header without its magic"
-                                   : "the magic of the NIfTI header is wrong",
+                           analyze
+                               ? "the file has an ANALYZE header, or a NIfTI header without its identifier"
+                               : "the identifier of the NIfTI header is wrong",
                            path, shown(fields.magic), "convert the image to NIfTI");
     }
     header.single_file = fields.magic == single;
@@ -190,7 +191,7 @@ Status check_offset(const NiftiFields& fields, NiftiHeader& header, const std::s
     const bool usable = std::isfinite(offset) && offset >= least && offset <= 9007199254740992.0 &&
                         offset == std::floor(offset) && std::fmod(offset, 2) == 0;
     if (!usable)
-        return image_error("E-NII-007", "vox_offset, where the data begins, is not usable", path,
+        return image_error("E-NII-007", "vox_offset, where the data begins, is not possible", path,
                            fmt::format("{}", offset), "correct the header of the image");
     header.data_begin = static_cast<std::uint64_t>(offset);
     return Nothing{};
@@ -209,7 +210,7 @@ Status check_spacing(const NiftiFields& fields, NiftiHeader& header, const std::
             header.millimetres = 0.001;
             break;
         default:
-            context.warn(image_warning("W-NII-002", "the image does not say its unit of length", path,
+            context.warn(image_warning("W-NII-002", "the image does not state its unit of length", path,
                                        fmt::format("xyzt_units {}", fields.units),
                                        "millimetres were assumed"));
     }
@@ -221,7 +222,7 @@ Status check_spacing(const NiftiFields& fields, NiftiHeader& header, const std::
         // Beyond dim[0] the field has no meaning, and is looked at only where it is needed.
         if (axis < axes && !header.axis_has_pixdim[axis])
             return image_error("E-NII-008",
-                               fmt::format("pixdim[{}], the voxel spacing, is not usable", axis + 1), path,
+                               fmt::format("pixdim[{}], the voxel spacing, is not possible", axis + 1), path,
                                fmt::format("{}", header.pixdim[axis]), "correct the header of the image");
     }
     header.qfac = fields.pixdim[0];
@@ -229,7 +230,7 @@ Status check_spacing(const NiftiFields& fields, NiftiHeader& header, const std::
         header.qfac = 1;
         if (header.qform_code > 0)
             context.warn(image_warning("W-NII-001", "pixdim[0], the handedness of the qform, is 0", path, "0",
-                                       "read as +1"));
+                                       "it was read as 1"));
     } else if (std::abs(header.qfac) != 1) {
         return image_error("E-NII-009", "pixdim[0], the handedness of the qform, is neither 1 nor -1", path,
                            fmt::format("{}", header.qfac), "correct the header of the image");

@@ -21,7 +21,7 @@ Result<ImageGeometry> qform_geometry(const NiftiHeader& header, const std::strin
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (!header.axis_has_pixdim[axis])
             return image_error("E-NII-008",
-                               fmt::format("pixdim[{}], the voxel spacing, is not usable", axis + 1), path,
+                               fmt::format("pixdim[{}], the voxel spacing, is not possible", axis + 1), path,
                                fmt::format("{}", header.pixdim[axis]), "correct the header of the image");
     // nifti1.h, "QUATERNION REPRESENTATION OF ROTATION MATRIX"; a rotation by 180 degrees has a = 0.
     double a = 1 - squared, scale = 1;
@@ -89,7 +89,7 @@ Result<ImageGeometry> reconciled(const ImageGeometry& qform, const ImageGeometry
                            fmt::format("qform and sform place the image {:.4g} mm apart{}", difference,
                                        mirrored ? " and mirrored to each other" : ""),
                            path, fmt::format("{:.4g} mm", difference),
-                           "decide with --use qform or --use sform");
+                           "choose one with --use qform or --use sform");
     if (!agree)
         context.warn(image_warning(
             "W-NII-004", fmt::format("qform and sform place the image {:.4g} mm apart", difference), path,
@@ -103,20 +103,20 @@ Result<ImageGeometry> assumed_geometry(const NiftiHeader& header, const std::str
                                        const ReadImageOptions& options, RunContext& context) {
     if (options.assume_orientation.empty())
         return image_error("E-NII-013", "the image has no orientation (qform_code and sform_code are 0)",
-                           path, "", "state it with --assume-orientation, for example RAS");
+                           path, "", "give it with --assume-orientation, for example RAS");
     ANATOMESH_TRY(const auto steps, orientation_steps(options.assume_orientation, path));
     ImageGeometry geometry;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         geometry.size[axis] = static_cast<std::uint32_t>(header.layout.sizes[axis]);
         if (!header.axis_has_pixdim[axis])
             return image_error("E-NII-008",
-                               fmt::format("pixdim[{}], the voxel spacing, is not usable", axis + 1), path,
+                               fmt::format("pixdim[{}], the voxel spacing, is not possible", axis + 1), path,
                                fmt::format("{}", header.pixdim[axis]), "correct the header of the image");
         geometry.step[axis] = header.pixdim[axis] * header.millimetres * steps[axis];
     }
-    context.warn(
-        image_warning("W-NII-005", "the image has no orientation", path, "",
-                      "axes run to " + options.assume_orientation + ", as chosen; voxel 0 at the origin"));
+    context.warn(image_warning(
+        "W-NII-005", "the image has no orientation", path, "",
+        "--assume-orientation " + options.assume_orientation + " was used, with voxel 0 at the origin"));
     return geometry;
 }
 
@@ -146,7 +146,7 @@ Result<ImageGeometry> geometry_of(const NiftiHeader& header, const std::string& 
     const Status qform_usable = qform.ok() ? check_geometry(qform.value(), path) : Status(qform.error());
     if (!qform_usable.ok()) {
         if (use_qform) return qform_usable.error();
-        context.warn(image_warning("W-NII-004", "the qform is not usable: " + qform_usable.error().message,
+        context.warn(image_warning("W-NII-004", "the qform cannot be used: " + qform_usable.error().message,
                                    path, "", "the sform was used, as chosen"));
         return sform;
     }

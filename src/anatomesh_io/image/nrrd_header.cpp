@@ -49,7 +49,7 @@ Error field_error(const char* code, const std::string& message, const std::strin
 }
 
 Error bad_value(std::string_view field, const std::string& path, std::string_view value) {
-    return field_error("E-NRD-005", fmt::format("the field '{}' has a value that is not usable", field), path,
+    return field_error("E-NRD-005", fmt::format("the field '{}' has an impossible value", field), path,
                        value);
 }
 
@@ -61,7 +61,8 @@ Result<Fields> read_lines(std::span<const std::byte> bytes, const std::string& p
     const auto magic = reader.read_line();
     if (!magic || magic->size() != 8 || !magic->starts_with("NRRD000") || (*magic)[7] < '1' ||
         (*magic)[7] > '5')
-        return field_error("E-NRD-001", "not a NRRD file of version 1 to 5", path, magic.value_or(""));
+        return field_error("E-NRD-001", "the file is no NRRD file of version 1 to 5", path,
+                           magic.value_or(""));
     while (const auto line = reader.read_line()) {
         header.data_begin = reader.position();
         if (line->empty()) break;
@@ -84,8 +85,8 @@ Result<Fields> read_lines(std::span<const std::byte> bytes, const std::string& p
         // The names of a list of files follow instead of the rest of the header; the list is refused later.
         if (name == "data file" && value.starts_with("LIST")) break;
         if (inserted && !is_known(name))
-            context.warn(image_warning("W-NRD-001", fmt::format("unknown field '{}'", shown(name)), path,
-                                       shown(value), "it was ignored"));
+            context.warn(image_warning("W-NRD-001", fmt::format("the field '{}' is unknown", shown(name)),
+                                       path, shown(value), "it was ignored"));
     }
     if (reader.remaining() == 0 && bytes.size() > longest_header && header.data_begin >= longest_header)
         return field_error("E-NRD-002", "the header is longer than 16 MiB", path, "");

@@ -25,7 +25,7 @@ struct Axes {
 Result<Axes> frame_axes(const NrrdHeader& header, const std::string& path) {
     if (header.sizes.size() != 3)
         return image_error("E-NRD-008", "a tracked sequence has three axes: columns, rows, frames", path,
-                           fmt::format("{}", header.sizes.size()), "save it with grey frames");
+                           fmt::format("{}", header.sizes.size()), "save the sequence with grey frames");
     Axes axes;
     axes.layout.type = header.type;
     for (std::size_t axis = 0; axis < 3; ++axis) axes.layout.sizes[axis] = header.sizes[axis];
@@ -77,13 +77,12 @@ Result<Vec3> signs_to_lps(const NrrdHeader& header, const std::string& path, con
     if (const auto known = spaces.find(header.space); known != spaces.end()) return known->second;
     if (!options.frame)
         return image_error("E-NRD-009",
-                           header.space.empty() ? "the image does not say its space (the field 'space')"
-                                                : "the space of the image does not tell the patient's axes",
-                           path, shown(header.space), "state the frame with --frame LPS or --frame RAS");
+                           header.space.empty() ? "the image does not state its axes (the field 'space')"
+                                                : "the field 'space' does not state the axes of the patient",
+                           path, shown(header.space), "give --frame LPS or --frame RAS");
     const bool lps = *options.frame == ImageFrame::lps;
-    context.warn(image_warning("W-NRD-003", "the image does not say the patient's axes", path,
-                               shown(header.space),
-                               lps ? "read as LPS, as chosen" : "read as RAS, as chosen"));
+    context.warn(image_warning("W-NRD-003", "the image does not state the axes of the patient", path,
+                               shown(header.space), lps ? "--frame LPS was used" : "--frame RAS was used"));
     return lps ? Vec3{1, 1, 1} : Vec3{-1, -1, 1};
 }
 

@@ -66,11 +66,11 @@ Result<std::uint64_t> claimed_bytes(const ClaimedLayout& layout, const std::stri
         if (voxels) voxels = checked_multiply(*voxels, size);
     }
     if (!voxels || *voxels > options.max_voxels) {
-        Error error = image_error(
-            "E-IMG-004", fmt::format("the image claims more than {} voxels", options.max_voxels), path,
-            fmt::format("{} x {} x {}, {} volumes", layout.sizes[0], layout.sizes[1], layout.sizes[2],
-                        layout.volumes),
-            "crop or resample the image");
+        Error error = image_error("E-IMG-004",
+                                  fmt::format("the image has more than {} voxels", options.max_voxels), path,
+                                  fmt::format("{} x {} x {}, {} volumes", layout.sizes[0], layout.sizes[1],
+                                              layout.sizes[2], layout.volumes),
+                                  "crop or resample the image");
         error.kind = ErrorKind::limit;
         return error;
     }
@@ -83,14 +83,14 @@ Result<std::uint64_t> claimed_bytes(const ClaimedLayout& layout, const std::stri
 Status check_length(std::uint64_t claimed, std::uint64_t available, const std::string& path,
                     RunContext& context) {
     if (available < claimed)
-        return image_error(
-            "E-IMG-005",
-            fmt::format("the header claims {} bytes of image data, the file holds {}", claimed, available),
-            path, "", "copy or export the image again");
+        return image_error("E-IMG-005",
+                           fmt::format("the header announces {} bytes of image data, but the file holds {}",
+                                       claimed, available),
+                           path, "", "copy or export the image again");
     if (available > claimed)
-        context.warn(image_warning("W-IMG-001",
-                                   fmt::format("{} bytes follow the image data", available - claimed), path,
-                                   "", "they were ignored"));
+        context.warn(image_warning(
+            "W-IMG-001", fmt::format("the file has {} bytes after its image data", available - claimed), path,
+            "", "they were ignored"));
     return Nothing{};
 }
 
@@ -101,8 +101,9 @@ Result<std::uint64_t> chosen_volume(std::uint64_t volumes, const std::string& pa
         return image_error("E-IMG-008", fmt::format("the image holds {} volumes", volumes), path, "",
                            fmt::format("choose one with --volume N, 0 to {}", volumes - 1));
     if (*options.volume >= volumes)
-        return image_error("E-IMG-009", fmt::format("there is no such volume; the image holds {}", volumes),
-                           path, fmt::format("{}", *options.volume),
+        return image_error("E-IMG-009",
+                           fmt::format("the image has no volume of this number; it holds {}", volumes), path,
+                           fmt::format("{}", *options.volume),
                            fmt::format("choose one with --volume N, 0 to {}", volumes - 1));
     return *options.volume;
 }
@@ -115,7 +116,7 @@ Status check_geometry(const ImageGeometry& geometry, const std::string& path) {
         // The negated comparison also catches NaN.
         if (!(step >= shortest_mm && step <= farthest_mm))
             return image_error(std::isfinite(step) ? "E-IMG-007" : "E-IMG-006",
-                               fmt::format("the voxel spacing along axis {} is not usable", "ijk"[axis]),
+                               fmt::format("the voxel spacing along axis {} is not possible", "ijk"[axis]),
                                path, fmt::format("{} mm", step), "correct the header of the image");
         volume_scale *= step;
     }
@@ -128,8 +129,8 @@ Status check_geometry(const ImageGeometry& geometry, const std::string& path) {
         const Vec3 p = geometry.position(end(0), end(1), end(2));
         for (const double coordinate : {p.x, p.y, p.z})
             if (!(std::abs(coordinate) <= farthest_mm))
-                return image_error("E-IMG-006", "the image lies beyond 1e7 mm, or nowhere", path,
-                                   fmt::format("{}", coordinate), "correct the header of the image");
+                return image_error("E-IMG-006", "the position of the image is beyond 1e7 mm or not a number",
+                                   path, fmt::format("{}", coordinate), "correct the header of the image");
     }
     return Nothing{};
 }
@@ -173,8 +174,9 @@ Result<std::array<Vec3, 3>> orientation_steps(const std::string& letters, const 
                 break;
         }
     if (letters.size() != 3 || axes_seen != 7) {
-        Error error = image_error("E-IMG-011", "an orientation is one letter of each pair L R, A P, S I",
-                                  path, shown(letters), "for example --assume-orientation RAS");
+        Error error =
+            image_error("E-IMG-011", "--assume-orientation needs one letter of each pair L R, A P and S I",
+                        path, shown(letters), "give for example --assume-orientation RAS");
         error.kind = ErrorKind::usage;
         return error;
     }
@@ -228,14 +230,14 @@ std::string shown(std::string_view text) {
 Result<ByteBuffer> parse_text_values(std::string_view text, std::uint64_t count, const std::string& path) {
     // Each value takes a digit and, but for the last, a blank.
     if (count > text.size() / 2 + 1)
-        return image_error(
-            "E-IMG-005",
-            fmt::format("the header claims {} values, {} bytes of text follow", count, text.size()), path, "",
-            "copy or export the image again");
+        return image_error("E-IMG-005",
+                           fmt::format("the header announces {} values, but only {} bytes of text follow",
+                                       count, text.size()),
+                           path, "", "copy or export the image again");
     ByteBuffer values;
     if (!values.reserve(count * sizeof(double)))
-        return Error{ErrorKind::limit, "E-INP-009", "no memory for the image", Place{path, "", "", "", ""},
-                     ""};
+        return Error{ErrorKind::limit, "E-INP-009", "the memory does not suffice for the image",
+                     Place{path, "", "", "", ""}, "use a machine with more memory, or a smaller image"};
     for (std::uint64_t i = 0; i < count; ++i) {
         const std::size_t begin = std::min(text.find_first_not_of(blanks), text.size());
         text.remove_prefix(begin);
@@ -244,8 +246,8 @@ Result<ByteBuffer> parse_text_values(std::string_view text, std::uint64_t count,
         const auto value = parse_double(word);
         if (word.empty())
             return image_error("E-IMG-005",
-                               fmt::format("the header claims {} values, the file holds {}", count, i), path,
-                               "", "copy or export the image again");
+                               fmt::format("the header announces {} values, but the file holds {}", count, i),
+                               path, "", "copy or export the image again");
         if (!value)
             return image_error("E-IMG-014", fmt::format("value {} of the image is no number", i), path,
                                shown(word), "correct the file");
@@ -258,8 +260,9 @@ Result<ByteBuffer> parse_text_values(std::string_view text, std::uint64_t count,
 Result<std::string> data_file_path(const std::string& path, std::string_view name) {
     namespace fs = std::filesystem;
     if (lower_case(name.substr(0, 4)) == "list" || name.find('%') != std::string_view::npos)
-        return image_error("E-IMG-015", "the image is spread over several data files, which are not read",
-                           path, shown(name), "save it as one file");
+        return image_error("E-IMG-015",
+                           "the image is stored in several data files, which the program does not read", path,
+                           shown(name), "save it as one file");
     const fs::path relative{std::string(name)};
     bool climbs = false;
     for (const fs::path& part : relative)

@@ -18,17 +18,18 @@ Error not_an_image(FileKind kind, std::span<const std::byte> start, const std::s
     if (kind == FileKind::unknown && start.empty())
         return image_error("E-IMG-001", "the file is empty", path, "", readable);
     if (kind == FileKind::unknown)
-        return image_error("E-IMG-001", "the file is of no kind that is known", path, "", readable);
+        return image_error("E-IMG-001", "the format of the file is not known", path, "", readable);
     if (kind == FileKind::dicom || kind == FileKind::dicom_segmentation) {
         const std::string uid = dicom_sop_class(start);
         const std::string name = dicom_sop_class_name(uid);
-        return image_error(
-            "E-IMG-002",
-            fmt::format("DICOM of this kind is not supported yet{}", name.empty() ? "" : ": " + name), path,
-            shown(uid), "convert it to NIfTI or NRRD, for example with dcmqi or 3D Slicer");
+        return image_error("E-IMG-002",
+                           fmt::format("the program does not read DICOM objects of this kind{}",
+                                       name.empty() ? "" : ": " + name),
+                           path, shown(uid),
+                           "convert it to NIfTI or NRRD, for example with dcmqi or 3D Slicer");
     }
-    return image_error("E-IMG-001", fmt::format("the file is no image but of the kind: {}", name_of(kind)),
-                       path, "", readable);
+    return image_error("E-IMG-001", fmt::format("the file is no image; its kind is: {}", name_of(kind)), path,
+                       "", readable);
 }
 
 Result<RawImage> read_raw(const InputFile& file, FileKind kind, std::span<const std::byte> content,

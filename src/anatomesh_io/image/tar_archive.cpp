@@ -66,8 +66,9 @@ Result<std::vector<TarEntry>> tar_entries(std::span<const std::byte> archive, co
         const auto content = reader.read_bytes(*size);
         if (!content)
             return image_error(
-                "E-INV-002", fmt::format("an entry claims {} bytes, {} are left", *size, reader.remaining()),
-                path, shown(name), "copy or save the project again");
+                "E-INV-002",
+                fmt::format("an entry announces {} bytes, but {} are left", *size, reader.remaining()), path,
+                shown(name), "copy or save the project again");
         const char kind = (*header)[156];
         if (kind == '0' || kind == '\0') entries.push_back({name, *content});
         // Content is padded to whole blocks; the last may be cut.

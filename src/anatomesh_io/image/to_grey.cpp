@@ -197,11 +197,11 @@ Result<LoadedImage> to_grey(const RawImage& raw, const std::string& path, RunCon
     find_label_facts(loaded.image, is_integer(raw.type) && !scaled, facts);
     // Scaled labels are no longer the numbers somebody gave them.
     if (scaled && is_integer(raw.type) && facts.distinct <= most_distinct)
-        context.warn(image_warning(
-            "W-IMG-003",
-            fmt::format("the few different values of the image are scaled by {} x + {}; a label map is not",
-                        raw.slope, raw.intercept),
-            path, fmt::format("{}", raw.slope), "the scaled values were used"));
+        context.warn(image_warning("W-IMG-003",
+                                   fmt::format("the image has few different values, which are scaled by {} x "
+                                               "+ {}, unlike those of a label map",
+                                               raw.slope, raw.intercept),
+                                   path, fmt::format("{}", raw.slope), "the scaled values were used"));
     loaded.structures = raw.structures;
     return loaded;
 }

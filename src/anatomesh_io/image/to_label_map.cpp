@@ -110,8 +110,8 @@ void warn_of_cut_structures(const LabelMap& map, RunContext& context) {
     if (count > 20) numbers += ", ...";
     if (count > 0) {
         Warning warning =
-            image_warning("W-LBL-002", fmt::format("the image border cuts structures ({})", count),
-                          map.source, "", "they are closed at the border");
+            image_warning("W-LBL-002", fmt::format("{} structures reach the image border", count), map.source,
+                          "", "they were closed at the border");
         warning.place.structure = numbers;
         context.warn(std::move(warning));
     }
@@ -137,7 +137,7 @@ Result<LabelMap> to_label_map(const LoadedImage& loaded, RunContext& context) {
     map.structures = structures_of(labels, loaded.structures);
     fill_voxels(image, labels, map);
     if (largest_fraction > 0)
-        context.warn(image_warning("W-LBL-001", "labels are not exact integers", image.source,
+        context.warn(image_warning("W-LBL-001", "the labels are not exact whole numbers", image.source,
                                    fmt::format("off by up to {:.3g}", largest_fraction),
                                    "they were rounded"));
     warn_of_cut_structures(map, context);

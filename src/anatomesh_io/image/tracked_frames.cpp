@@ -154,9 +154,9 @@ class PoseReader {
                                         fmt::format("{} of {}", sizes_[2] - poses.size(), sizes_[2]),
                                         "they were left out"));
         if (!options_.frame)
-            context_.warn(image_warning("W-TRK-002",
-                                        "the axes that the frames lie in are not those of a patient", path_,
-                                        target_, "they were kept; --frame LPS or RAS says which they are"));
+            context_.warn(image_warning(
+                "W-TRK-002", "the poses of the frames do not refer to the axes of a patient", path_, target_,
+                "the numbers were kept; --frame LPS or --frame RAS names the axes"));
         return poses;
     }
 
@@ -201,12 +201,12 @@ class PoseReader {
             list += (list.empty() ? "" : ", ") + shown(name.from) + "To" + shown(name.to);
         return image_error(
             "E-TRK-001",
-            fmt::format("no transforms lead from Image to {}; there are {}",
+            fmt::format("the sequence has no transforms from Image to {}; it has {}",
                         options_.pose_to.empty() ? "Reference, Tracker or World" : options_.pose_to, list),
             path_, "",
             names_.contains({"Image", "Probe"})
                 ? "choose another target with --pose-to"
-                : "give the probe's calibration with --image-to-probe, 12 or 16 numbers");
+                : "give the calibration of the probe with --image-to-probe, 12 or 16 numbers");
     }
 
     // Tools and rooms lie to each other by rotations; a calibration scales pixels, but mirrors no more than
@@ -216,16 +216,16 @@ class PoseReader {
             fmt::format("the transform {}To{} of frame {}", shown(name.from), shown(name.to), frame);
         const bool is_calibration = name.from == "Image" || name.to == "Image";
         if (is_mirrored(part))
-            return failure("E-TRK-007", which + " mirrors: its determinant is negative", "",
-                           is_calibration
-                               ? "check which side of the probe is marked; where the first two columns "
-                                 "are right, give --image-to-probe with the third one's sign changed, "
-                                 "which moves no pixel"
-                               : "correct the header of the sequence");
+            return failure(
+                "E-TRK-007", which + " mirrors the image: its determinant is negative", "",
+                is_calibration
+                    ? "check which side of the probe is marked; if the first two columns are right, change "
+                      "the sign of the third one in --image-to-probe"
+                    : "correct the header of the sequence");
         if (!is_calibration && !is_rotation(part))
             return failure("E-TRK-003",
-                           which + " is no rotation: its axes are not at right angles or not of length 1", "",
-                           "correct the header of the sequence");
+                           which + " is no rotation: its axes are not at right angles, or not of length 1",
+                           "", "correct the header of the sequence");
         return Nothing{};
     }
 
@@ -237,7 +237,8 @@ class PoseReader {
             if (step.name == Name{"Image", "Probe"} && !options_.image_to_probe.empty()) {
                 part = affine_of(options_.image_to_probe);
                 if (!part)
-                    return failure("E-TRK-002", "--image-to-probe is no matrix of 3 or 4 rows", "", "");
+                    return failure("E-TRK-002", "--image-to-probe is no matrix of 3 or 4 rows", "",
+                                   "give 12 or 16 numbers, row by row");
             } else {
                 const auto own = of_frame.find(step.name), all = of_all_.find(step.name);
                 if (own == of_frame.end() && all == of_all_.end()) return std::optional<Affine>{};
@@ -298,7 +299,7 @@ class PoseReader {
                            "check the calibration and the transforms of the sequence");
         };
         if (!(across > 1e-6 && across < 1e4 && along > 1e-6 && along < 1e4))
-            return unusable("has pixels of no usable size");
+            return unusable("has pixels of an impossible size");
         if (!(std::abs(dot(placed.step[0], placed.step[1])) <= 0.01 * across * along))
             return unusable("has axes that are not at right angles");
         for (const double coordinate : {placed.origin.x, placed.origin.y, placed.origin.z})
@@ -363,8 +364,8 @@ Result<std::vector<FramePose>> read_poses(const KeyValues& keys, const std::arra
                                           const std::string& path, const ReadImageOptions& options,
                                           RunContext& context) {
     if (!options.tracked)
-        return image_error("E-TRK-005", "the file is a tracked sequence: frames each with a pose, no volume",
-                           path, "", "anatomesh segment, contours and model take its frames as slices");
+        return image_error("E-TRK-005", "the file is a tracked sequence of frames, not a volume", path, "",
+                           "use anatomesh segment, contours or model, which read its frames as slices");
     return PoseReader(keys, sizes, path, options, context).read();
 }
 
@@ -436,9 +437,9 @@ Result<TraceResult> trace_frames(const LabelMap& labels, const std::vector<Frame
     if (result.stats.islands_left_out > 0)
         context.warn(
             {"W-TRC-002",
-             fmt::format("{} islands below the minimum area were left out", result.stats.islands_left_out),
+             fmt::format("{} islands are smaller than the minimum area", result.stats.islands_left_out),
              {labels.source, "", "", "", fmt::format("{:.4g} mm2", result.stats.area_left_out_mm2)},
-             "--min-area sets the bound"});
+             "they were left out; --min-area 0 keeps them"});
     return result;
 }
 

@@ -191,7 +191,7 @@ Result<ImageFormat> image_format_of(const std::string& path) {
     if (name.ends_with(".nii.gz")) return ImageFormat::nifti_gzip;
     return Error{ErrorKind::usage,
                  "E-IMG-016",
-                 "the extension of the output names no image format",
+                 "the extension of the output is no format for images",
                  {path, "", "", "", ""},
                  "use .nrrd, .nii or .nii.gz"};
 }

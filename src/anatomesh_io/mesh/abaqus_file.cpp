@@ -247,8 +247,8 @@ Status AbaqusReader::keyword(std::string_view line) {
             if (known == sets_.end()) sets_.push_back(set);
         } else if (type.starts_with("c3d") || type.starts_with("dc3d")) {
             return mesh_error("E-MDL-006",
-                              "only tetrahedra (C3D4, C3D10) are read, not " + type.substr(0, 20), path_,
-                              lines_.place());
+                              "the program reads tetrahedra (C3D4, C3D10) only, not " + type.substr(0, 20),
+                              path_, lines_.place());
         } else {
             section_ = Section::left_out;
         }

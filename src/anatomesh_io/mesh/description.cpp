@@ -111,8 +111,8 @@ Status DescriptionReader::take_unit(const std::string& unit) {
     constexpr std::array<std::string_view, 5> millimetre{"mm", "millimetre", "millimetres", "millimeter",
                                                          "millimeters"};
     if (std::find(millimetre.begin(), millimetre.end(), lower_case(unit)) == millimetre.end()) {
-        Error error = mesh_error("E-MDL-017", "the file's unit is not the millimetre", path_,
-                                 "UNIT=" + unit.substr(0, 60));
+        Error error =
+            mesh_error("E-MDL-017", "the unit of the file is not mm", path_, "UNIT=" + unit.substr(0, 60));
         error.next_step = "bring the coordinates to millimetres and write UNIT=mm";
         return error;
     }
@@ -147,7 +147,7 @@ Status DescriptionReader::take_region(std::string_view rest) {
     auto& table = description_.regions.members;
     const auto region = take_number<std::size_t>(rest);
     if (!region || *region != table.size() || *region > max_regions || take_word(rest) != "=") {
-        return mesh_error("E-MDL-011", "regions are to be numbered 1, 2, 3 ...", path_, all);
+        return mesh_error("E-MDL-011", "the numbers of regions are not 1, 2, 3 ...", path_, all);
     }
     std::vector<std::uint32_t> members;
     while (!trimmed(rest).empty()) {
@@ -255,9 +255,9 @@ MeshDescription DescriptionReader::finish(RunContext& context) {
     if (description_.space.empty()) {
         description_.space = "unknown";
         Warning warning{"W-MDL-001",
-                        "the file does not say in which axes its coordinates are",
+                        "the file does not state the axes of its coordinates (LPS or RAS)",
                         {},
-                        "taken as they are, SPACE=unknown, millimetres"};
+                        "the numbers were kept as mm, with SPACE=unknown"};
         warning.place.file = path_;
         context.warn(std::move(warning));
     }

@@ -58,9 +58,9 @@ void append_feb_materials(std::string& text, const std::string& path, const Mode
             append_material(text, ++id, material_name(model, block), place_holder);
         }
         Warning warning{"W-MDL-007",
-                        "the model has no materials, which FEBio needs",
+                        "the model has no materials, and FEBio needs them",
                         {},
-                        "1 MPa and 0.3 written as place holders"};
+                        "1 MPa and 0.3 were written as placeholders; --material gives materials"};
         warning.place.file = path;
         context.warn(std::move(warning));
     }

@@ -42,7 +42,7 @@ std::vector<std::int32_t> positive_numbers(std::vector<std::int32_t> numbers, co
         Warning warning{"W-MDL-003",
                         "Gmsh cannot hold structure number " + std::to_string(numbers[r]),
                         {},
-                        "written as physical group " + std::to_string(next)};
+                        "it was written as physical group " + std::to_string(next)};
         warning.place.file = path;
         context.warn(std::move(warning));
         numbers[r] = next;
@@ -331,13 +331,13 @@ Status GmshReader::format() {
     const auto version = take_word(line);
     const auto mode = take_number<int>(line), size = take_number<int>(line);
     if (version != "4.1") {
-        Error error =
-            mesh_error("E-MDL-012", "only version 4.1 is read", path_, std::string(version.substr(0, 20)));
-        error.next_step = "save it anew in version 4.1 (gmsh -save -format msh41)";
+        Error error = mesh_error("E-MDL-012", "the program reads version 4.1 of the format only", path_,
+                                 std::string(version.substr(0, 20)));
+        error.next_step = "save it again in version 4.1 (gmsh -save -format msh41)";
         return error;
     }
     if (!mode || !size || *mode < 0 || *mode > 1 || *size != 8) {
-        return mesh_error("E-MDL-012", "the file is to be text or binary with 8 bytes a size", path_,
+        return mesh_error("E-MDL-012", "the file is neither text nor binary with 8 bytes per size", path_,
                           values_.place());
     }
     if (*mode == 1) {
@@ -347,7 +347,7 @@ Status GmshReader::format() {
         if (one == 0x01000000) {
             values_.set_order(std::endian::big);
         } else if (one != 1) {
-            return broken("the number 1 that tells the byte order");
+            return broken("the number 1 that shows the byte order");
         }
     }
     return Nothing{};
@@ -453,8 +453,8 @@ Status GmshReader::element_block(std::uint64_t& left) {
     if (nodes == 0 && (dimension > 2 || lower == 0)) {
         Error error = mesh_error(
             "E-MDL-006",
-            "only tetrahedra of four or ten vertices are read, not Gmsh type " + std::to_string(type), path_,
-            values_.place());
+            "the program reads tetrahedra of four or ten nodes only, not Gmsh type " + std::to_string(type),
+            path_, values_.place());
         error.next_step = "turn the elements into tetrahedra first";
         return error;
     }

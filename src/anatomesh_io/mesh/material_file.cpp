@@ -157,7 +157,7 @@ Result<MaterialFile> read_material_file(const std::string& path, const InputLimi
     const json* version = root.value("version");
     if (too_deep || !format || *format != "anatomesh-material" || !version || *version != 1) {
         Error error =
-            mesh_error("E-MAT-001", "the content is no JSON of format anatomesh-material, version 1", path);
+            mesh_error("E-MAT-001", "the file is no JSON file of format anatomesh-material, version 1", path);
         error.next_step = "docs/simulation.md shows one";
         return error;
     }
@@ -189,7 +189,8 @@ Status apply_materials(ModelFile& model, const MaterialFile& file, RunContext& c
         const bool used = std::any_of(description.structures.begin(), description.structures.end(),
                                       [&](const Structure& structure) { return names(named, structure); });
         if (used) continue;
-        Warning warning{"W-MAT-001", "a law names no structure of the model", {}, "not used"};
+        Warning warning{
+            "W-MAT-001", "a law names a structure that the model does not have", {}, "it was not used"};
         warning.place.file = file.path;
         warning.place.structure = named.structure;
         context.warn(std::move(warning));
@@ -203,7 +204,7 @@ Status apply_materials(ModelFile& model, const MaterialFile& file, RunContext& c
                                [&](std::uint32_t s) { return names(named, description.structures[s]); });
         });
         if (found == file.laws.end()) {
-            Error error = mesh_error("E-MAT-003", "no law is for this structure", file.path);
+            Error error = mesh_error("E-MAT-003", "no law applies to this structure", file.path);
             if (!members.empty()) {
                 const Structure& structure = description.structures[members.front()];
                 error.place.structure =

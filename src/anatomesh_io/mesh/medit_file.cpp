@@ -11,7 +11,7 @@ namespace anatomesh {
 Result<std::string> format_medit(const std::string& path, const ModelFile& model, RunContext& context) {
     const TetMesh& mesh = model.mesh;
     if (!model.mid_nodes.empty()) {
-        Error error = mesh_error("E-MDL-014", "a Medit file holds linear tetrahedra only", path);
+        Error error = mesh_error("E-MDL-014", "a Medit file (.mesh) holds linear tetrahedra only", path);
         error.kind = ErrorKind::usage;
         error.next_step = "write .vtu, .msh, .inp or .feb, or linear tetrahedra";
         return error;
@@ -182,7 +182,8 @@ Status MeditReader::other(const std::string& name) {
         if (name == "edges" || name == "triangles" || name == "quadrilaterals") left_out_ += n;
         return Nothing{};
     }
-    return mesh_error("E-MDL-006", "section " + name.substr(0, 40) + " is not read", path_, words_.place());
+    return mesh_error("E-MDL-006", "the program does not read the section " + name.substr(0, 40), path_,
+                      words_.place());
 }
 
 Result<ModelFile> MeditReader::run(RunContext& context) {
@@ -193,12 +194,14 @@ Result<ModelFile> MeditReader::run(RunContext& context) {
         if (name == "meshversionformatted") {
             ANATOMESH_TRY(const auto version, words_.number<int>(path_, "a version"));
             if (version < 1 || version > 4) {
-                return mesh_error("E-MDL-012", "versions 1 to 4 are read", path_, std::to_string(version));
+                return mesh_error("E-MDL-012", "the program reads versions 1 to 4 of the format only", path_,
+                                  std::to_string(version));
             }
         } else if (name == "dimension") {
             ANATOMESH_TRY(const auto dimension, words_.number<int>(path_, "a dimension"));
             if (dimension != 3) {
-                return mesh_error("E-MDL-012", "only dimension 3 is read", path_, std::to_string(dimension));
+                return mesh_error("E-MDL-012", "the program reads dimension 3 only", path_,
+                                  std::to_string(dimension));
             }
         } else if (name == "vertices") {
             ANATOMESH_CHECK_STATUS(vertices());

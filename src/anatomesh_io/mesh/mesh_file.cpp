@@ -19,7 +19,8 @@ std::string extension_of(const std::string& path) {
 }
 
 Error unknown_extension(const std::string& path, const char* known) {
-    Error error = mesh_error("E-MDL-001", "the name does not say in which format to write", path);
+    Error error =
+        mesh_error("E-MDL-001", "the extension of the output is no format for models or surfaces", path);
     error.kind = ErrorKind::usage;
     error.next_step = std::string("end it in one of ") + known;
     return error;
@@ -31,7 +32,7 @@ void warn_of_arrays(const std::vector<PointArray>& arrays, const std::string& pa
     Warning warning{"W-MDL-008",
                     "the format has no place for values at points, such as " + arrays.front().name,
                     {},
-                    "left out; .vtu and .vtp keep them"};
+                    "they were left out; .vtu and .vtp keep them"};
     warning.place.file = path;
     context.warn(std::move(warning));
 }
@@ -69,7 +70,8 @@ Status check_point(const Vec3& point, std::size_t index, const std::string& path
 
 void warn_left_out(std::size_t count, const char* what, const std::string& path, RunContext& context) {
     if (count == 0) return;
-    Warning warning{"W-MDL-002", std::to_string(count) + " elements are no " + what, {}, "left out"};
+    Warning warning{
+        "W-MDL-002", std::to_string(count) + " elements are no " + what, {}, "they were left out"};
     warning.place.file = path;
     context.warn(std::move(warning));
 }
@@ -79,13 +81,14 @@ void warn_polygons(std::size_t count, const std::string& path, RunContext& conte
     Warning warning{"W-MDL-005",
                     std::to_string(count) + " polygons have more than three vertices",
                     {},
-                    "cut into triangles at their first vertex"};
+                    "they were divided into triangles"};
     warning.place.file = path;
     context.warn(std::move(warning));
 }
 
 void warn_cell_values(const char* what, const std::string& path, RunContext& context) {
-    Warning warning{"W-MDL-006", std::string("the format has no place for ") + what, {}, "left out"};
+    Warning warning{
+        "W-MDL-006", std::string("the format has no place for ") + what, {}, "they were left out"};
     warning.place.file = path;
     context.warn(std::move(warning));
 }

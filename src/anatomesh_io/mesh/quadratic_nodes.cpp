@@ -44,8 +44,8 @@ Status split_mid_nodes(ModelFile& model, std::vector<std::array<std::uint32_t, 6
 }
 
 Error mixed_orders(const std::string& path, std::string place) {
-    Error error = mesh_error("E-MDL-006", "tetrahedra of four and of ten nodes in one file are not read",
-                             path, std::move(place));
+    Error error =
+        mesh_error("E-MDL-006", "the file mixes tetrahedra of four and of ten nodes", path, std::move(place));
     error.next_step = "turn all elements into one kind first";
     return error;
 }

@@ -51,9 +51,9 @@ void warn_of_loss(const SurfaceMesh& mesh, const std::string& path, RunContext& 
     std::string text;
     append_number(text, loss);
     Warning warning{"W-MDL-004",
-                    "STL holds coordinates in single precision: precision loss " + text + " mm",
+                    "STL holds coordinates in single precision, which changes them by up to " + text + " mm",
                     {},
-                    "written so; .ply and .vtp keep them exactly"};
+                    "written with this loss; .ply and .vtp keep coordinates exactly"};
     warning.place.file = path;
     warning.place.value = text;
     context.warn(std::move(warning));
@@ -133,7 +133,7 @@ Result<std::vector<Vec3>> text_corners(const std::string& path, std::string_view
             ANATOMESH_CHECK_STATUS(check_point(point, corners.size(), path));
             corners.push_back(point);
         } else if (word == "endfacet" && corners.size() % 3 != 0) {
-            return mesh_error("E-MDL-006", "a facet has other than three vertices", path, lines.place());
+            return mesh_error("E-MDL-006", "a facet does not have three vertices", path, lines.place());
         } else if (word == "endsolid") {
             ended = true;
         }

@@ -90,7 +90,7 @@ std::optional<std::uint64_t> read_word(ByteStream& stream, const VtkEncoding& en
 }
 
 Error ends_early(const VtkArray& array, const VtkEncoding& encoding) {
-    return vtk_error("E-VTK-004", "the array ends early", encoding.path, array.name);
+    return vtk_error("E-VTK-004", "the array ends too early", encoding.path, array.name);
 }
 
 Status read_plain(VtkArray& array, ByteStream& stream, const VtkEncoding& encoding, std::uint64_t& inflated) {
@@ -116,8 +116,8 @@ Result<Blocks> read_blocks(const VtkArray& array, ByteStream& stream, const VtkE
     const auto count = read_word(stream, encoding), block = read_word(stream, encoding),
                part = read_word(stream, encoding);
     if (!count || !block || !part || *count > stream.at_most()) return ends_early(array, encoding);
-    const Error damaged =
-        vtk_error("E-VTK-005", "the sizes of the compressed blocks make no sense", encoding.path, array.name);
+    const Error damaged = vtk_error("E-VTK-005", "the sizes of the compressed blocks are impossible",
+                                    encoding.path, array.name);
     Blocks blocks;
     blocks.block = *block;
     blocks.last = *part == 0 ? *block : *part;
@@ -145,7 +145,7 @@ Status read_compressed(VtkArray& array, ByteStream& stream, const VtkEncoding& e
         inflated > limits.free_inflated_bytes && inflated / limits.max_inflate_ratio > encoding.file_bytes;
     if (bomb || inflated > limits.max_inflated_bytes) {
         Error error = vtk_error("E-VTK-010",
-                                "the array would inflate from " + std::to_string(blocks.packed) + " to " +
+                                "the array would expand from " + std::to_string(blocks.packed) + " to " +
                                     std::to_string(blocks.total) + " bytes, beyond the limit",
                                 encoding.path, array.name);
         error.kind = ErrorKind::limit;
@@ -248,7 +248,8 @@ Error vtk_error(const char* code, std::string message, const std::string& path, 
 
 Status decode_ascii(VtkArray& array, std::string_view text, const VtkEncoding& encoding) {
     if (const auto bad = parse_numbers(array, text)) {
-        Error error = vtk_error("E-VTK-004", "a number expected", encoding.path, array.name);
+        Error error =
+            vtk_error("E-VTK-004", "the array holds a word that is not a number", encoding.path, array.name);
         error.place.value = *bad;
         return error;
     }

@@ -207,8 +207,9 @@ Result<ModelFile> parse_vtu(const std::string& path, Bytes content, const InputL
         const auto points = file.cells.points_of(c);
         const bool quadratic = type == vtk_quadratic_tetra;
         if ((type != vtk_tetra && !quadratic) || points.size() != (quadratic ? 10 : 4)) {
-            Error error = mesh_error("E-MDL-006", "only tetrahedra of four or ten vertices are read", path,
-                                     "cell " + std::to_string(c) + " of VTK type " + std::to_string(type));
+            Error error =
+                mesh_error("E-MDL-006", "the program reads tetrahedra of four or ten nodes only", path,
+                           "cell " + std::to_string(c) + " of VTK type " + std::to_string(type));
             error.next_step = "turn the cells into tetrahedra first";
             return error;
         }

@@ -96,7 +96,7 @@ class XmlWalk {
     }
     static void document_type(void* self, const XML_Char*, const XML_Char*, const XML_Char*, int) {
         auto& walk = *static_cast<XmlWalk*>(self);
-        walk.fail(vtk_error("E-VTK-001", "a document type is declared, which no VTK file needs",
+        walk.fail(vtk_error("E-VTK-001", "the file declares a document type, which VTK files must not have",
                             walk.document_.encoding.path));
     }
 
@@ -141,7 +141,7 @@ Status XmlWalk::run() {
         if (status != XML_STATUS_OK) {
             Error error = vtk_error(
                 "E-VTK-001",
-                std::string("not well-formed XML: ") + XML_ErrorString(XML_GetErrorCode(parser_.get())),
+                std::string("the file is no valid XML: ") + XML_ErrorString(XML_GetErrorCode(parser_.get())),
                 document_.encoding.path);
             error.place.value = "line " + std::to_string(XML_GetCurrentLineNumber(parser_.get()));
             return error;
@@ -161,7 +161,7 @@ void XmlWalk::start_element(std::string name, const XML_Char** list) {
         if (name == "VTKFile") {
             file_element(attributes);
         } else {
-            fail(vtk_error("E-VTK-002", "not a VTK file: it begins with the element " + name,
+            fail(vtk_error("E-VTK-002", "the file is no VTK file: it begins with the element " + name,
                            document_.encoding.path));
         }
     } else if (name == "Piece") {
@@ -198,7 +198,7 @@ void XmlWalk::file_element(const Attributes& attributes) {
         fail(vtk_error("E-VTK-003", "unknown header_type " + header, encoding.path));
     } else if (encoding.compressed && compressor != "vtkZLibDataCompressor") {
         Error error =
-            vtk_error("E-VTK-011", "compressed by " + compressor + ", which is not read", encoding.path);
+            vtk_error("E-VTK-011", "the program does not read the compression " + compressor, encoding.path);
         error.next_step = "write the file with vtkZLibDataCompressor";
         fail(std::move(error));
     }

@@ -288,7 +288,7 @@ Result<FetchResult> get_web(ObjectStore& store, const FetchOptions& options, con
     if (reply.status == 200 && (is_malformed || !parts || !parts->is_complete()))
         return Error{ErrorKind::file,
                      "E-NET-018",
-                     "the answer is not what it must be, or was cut off",
+                     "the answer is not valid, or it was cut off",
                      {"", "", "", "", connecting.peer.url},
                      "try again"};
     return result;

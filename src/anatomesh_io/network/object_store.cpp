@@ -149,11 +149,12 @@ Result<ObjectStore> ObjectStore::open(const std::string& folder, const ObjectSto
     // A link to a folder is fine for the folder itself: the user has named it.
     if (!make_folder(folder, store.made_) && !(::stat(folder.c_str(), &state) == 0 && S_ISDIR(state.st_mode)))
         return store_error("E-NET-001", folder,
-                           std::string("the folder cannot be made: ") + std::strerror(errno),
-                           "name a folder, or one whose parent is there");
+                           std::string("the folder cannot be created: ") + std::strerror(errno),
+                           "give a folder inside an existing folder");
     if (store.made_) sync_folder(parent_of(folder), calls);
     if (::access(folder.c_str(), W_OK | X_OK) != 0)
-        return store_error("E-NET-001", folder, "the folder cannot be written", "check its permissions");
+        return store_error("E-NET-001", folder, "the folder cannot be written",
+                           "check the permissions of the folder");
     store.lock_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (store.lock_ < 0)
         return store_error("E-NET-001", folder,
@@ -161,7 +162,7 @@ Result<ObjectStore> ObjectStore::open(const std::string& folder, const ObjectSto
                            "check its permissions");
     if (::flock(store.lock_, LOCK_EX | LOCK_NB) != 0)
         return store_error("E-NET-002", folder, "another process receives into this folder",
-                           "end it, or choose another folder");
+                           "end that process, or choose another folder");
     store.used_ = take_stock(folder, calls);
     return store;
 }

@@ -76,7 +76,7 @@ class Requestor::Inbox : public MessageAssembler::Sink {
 Error Requestor::lost(const std::string& why) const {
     return {ErrorKind::file,
             "E-NET-013",
-            "the association ended: " + why,
+            "the connection (association) ended: " + why,
             {"", "", "", "", name_of(options_.peer)},
             "look into the peer's log; try again"};
 }
@@ -115,7 +115,7 @@ Status Requestor::receive_some(std::string& into) {
         }
         if (state == StreamState::closed) return lost("the peer closed the connection");
         if (state == StreamState::failed) return lost(stream_.reason());
-        if (Clock::now() > deadline) return lost("the peer is silent");
+        if (Clock::now() > deadline) return lost("the other side is silent");
         const auto events = static_cast<short>(state == StreamState::wants_write ? POLLOUT : POLLIN);
         pollfd socket{stream_.descriptor(), events, 0};
         ::poll(&socket, 1, 200);
@@ -172,10 +172,10 @@ Status Requestor::negotiate(const std::vector<PresentationContext>& asked,
         return Error{
             ErrorKind::file,
             "E-NET-011",
-            "the peer rejects the association: " +
+            "the other side rejects the connection (association): " +
                 (rejection ? text_of(*rejection) : std::string("no reason given")),
             {"", "", "", "", name_of(options_.peer)},
-            "check the AE titles, its own and that of this program (--title), in the peer's settings"};
+            "check both AE titles in the settings of the other side; --title sets that of this program"};
     }
     if (type != PduType::associate_accept) return lost("the peer does not keep to the protocol");
     const auto answer = parse_associate(PduType::associate_accept, body);
@@ -192,9 +192,9 @@ Status Requestor::negotiate(const std::vector<PresentationContext>& asked,
     release();
     return Error{ErrorKind::file,
                  "E-NET-012",
-                 "the peer offers nothing of what is asked for",
+                 "the other side does not offer this service",
                  {"", "", "", "", name_of(options_.peer)},
-                 "its settings may leave this service out"};
+                 "check its settings"};
 }
 
 const PresentationContext* Requestor::context_of(std::string_view sop_class, std::string_view syntax) const {

@@ -45,8 +45,8 @@ Result<std::optional<OutgoingObject>> look_at(const std::string& path) {
     // A DICOMDIR is no object of a study.
     if (identity.sop_class.empty() || identity.sop_instance.empty()) return std::optional<OutgoingObject>{};
     if (!is_uid(identity.sop_class) || !is_uid(identity.sop_instance))
-        return input_error("E-NET-007", path, "the object has no valid class and instance UID",
-                           "export the file anew");
+        return input_error("E-NET-007", path, "the object has no valid SOP class and instance UID",
+                           "export the file again");
     return std::optional<OutgoingObject>(std::move(object));
 }
 
@@ -59,7 +59,9 @@ Result<std::vector<std::string>> files_in(const std::string& folder) {
         std::error_code unknown;
         if (at->is_regular_file(unknown) && !at->is_symlink(unknown)) paths.push_back(at->path().string());
     }
-    if (error) return input_error("E-NET-006", folder, "the folder cannot be read: " + error.message(), "");
+    if (error)
+        return input_error("E-NET-006", folder, "the folder cannot be read: " + error.message(),
+                           "check the permissions of the folder");
     std::sort(paths.begin(), paths.end());
     return paths;
 }
@@ -105,8 +107,7 @@ Result<SentObject> send_one(Requestor& requestor, const OutgoingObject& object, 
     SentObject sent{index, 0, {}};
     const MappedFile file(object.path, MappedFile::Links::followed);
     if (file.bytes().size() != object.bytes)
-        return input_error("E-NET-008", object.path, "the file changed while it was to be sent",
-                           "send again");
+        return input_error("E-NET-008", object.path, "the file changed while it was sent", "send again");
     const PresentationContext* context =
         requestor.context_of(object.identity.sop_class, object.transfer_syntax);
     std::optional<std::string> converted;
@@ -179,13 +180,13 @@ Result<std::vector<OutgoingObject>> find_objects(const std::vector<std::string>&
                 ++skipped;
             else
                 return input_error("E-NET-006", path,
-                                   "the file is no DICOM object that says its class and instance",
+                                   "the file is no DICOM object with an SOP class and instance UID",
                                    "name DICOM files, or folders of them");
         }
     }
     if (objects.empty())
         return input_error("E-NET-006", paths.empty() ? "" : paths.front(),
-                           "nothing is there that says its DICOM class and instance",
+                           "no DICOM object with an SOP class and instance UID was found",
                            "name DICOM files, or folders of them");
     return objects;
 }

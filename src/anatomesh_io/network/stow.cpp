@@ -127,7 +127,7 @@ Result<SendResult> stow_objects(const std::vector<OutgoingObject>& objects, cons
         if (content.changed())
             return Error{ErrorKind::input,
                          "E-NET-008",
-                         "the file changed while it was to be sent",
+                         "the file changed while it was sent",
                          {content.changed_path(), "", "", "", ""},
                          "send again"};
         if (!reply.ok()) return reply.error();

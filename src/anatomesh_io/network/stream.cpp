@@ -221,7 +221,7 @@ void Stream::shut_down() {
 Result<Listener> listen_at(const std::string& address, std::uint16_t port) {
     const AddressList addresses(address, port, AI_PASSIVE);
     const auto refuse = [&](const std::string& reason) {
-        return network_error("E-NET-003", "the port cannot be listened at: " + reason,
+        return network_error("E-NET-003", "the program cannot listen at the port: " + reason,
                              address + " port " + std::to_string(port),
                              "choose another --port (above 1023) or --address");
     };
@@ -275,8 +275,9 @@ Result<int> connect_to(const std::string& host, std::uint16_t port, Clock::time_
         if (context.cancelled()) return cancelled_error();
         reason = std::strerror(failure);
     }
-    return network_error("E-NET-010", "no connection: " + reason, host + " port " + std::to_string(port),
-                         "check host and port, and that the peer is running");
+    return network_error("E-NET-010", "the connection failed: " + reason,
+                         host + " port " + std::to_string(port),
+                         "check host and port, and that the other side is running");
 }
 
 std::vector<std::string> addresses_of(const std::string& host) {

@@ -98,10 +98,10 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
         if (done.gave_overlaps) {
             done.kept = std::move(given).value().kept;
             done.steps.push_back(
-                fmt::format("overlaps were given to the first of {} (priority)", fmt::join(names, ", ")));
+                fmt::format("the first of {} got the overlaps (priority)", fmt::join(names, ", ")));
             if (has_interpolated(done.kept))
                 done.steps.emplace_back(
-                    "structures got outlines that nobody drew between slices of their own (W-PRI-002)");
+                    "structures got interpolated outlines between their own slices (W-PRI-002)");
         }
     }
     if (done.steps.empty()) return std::nullopt;
@@ -157,11 +157,11 @@ ContourSet on_slices_of_model(ContourSet kept, const ModelFile& model, const Mis
     if (after >= before) return kept;
     context.warn(
         {"W-CMD-011",
-         fmt::format("the contours are on more slices than the model was made of: every {:.0f} of them, "
-                     "from slice {:.0f} (counted from 0) on, as its file says",
+         fmt::format("the contours have more slices than the model was made of; its file says --every {:.0f} "
+                     "--offset {:.0f}",
                      every, offset),
          {file, "", "", "", fmt::format("{} of {} slices", own.slices.size(), kept.slices.size())},
-         "checked against these; nothing is said of the others"});
+         "the model was checked against these slices only"});
     return own;
 }
 
@@ -207,7 +207,7 @@ void compare_names(const ContourSet& contours, const ModelFile& model, const std
     if (const std::string& space = model.description.space;
         contours.frame == Frame::lps && space != "LPS" && space != "unknown") {
         context.warn({"W-CMD-001",
-                      "the two files do not state the same axes",
+                      "the two files state different axes",
                       {file, "", "", "", fmt::format("{} of the model, LPS of the contours", space)},
                       "the coordinates were compared as they are"});
     }
@@ -223,11 +223,10 @@ void compare_names(const ContourSet& contours, const ModelFile& model, const std
             other.push_back(fmt::format("{} of the contours is {} of the model", named(here), named(there)));
     }
     if (!other.empty()) {
-        context.warn(
-            {"W-CMD-008",
-             "structures of the model and of the contours are not called the same",
-             {file, "", "", "", fmt::format("{}", fmt::join(other, "; "))},
-             "compared by their numbers, one alone with one alone: look whether they were exchanged"});
+        context.warn({"W-CMD-008",
+                      "structures of the model and of the contours have different names",
+                      {file, "", "", "", fmt::format("{}", fmt::join(other, "; "))},
+                      "they were compared by their numbers; check that they were not exchanged"});
     }
     std::vector<std::string> more;
     for (std::size_t s = 0; s < structures.size(); ++s) {
@@ -237,7 +236,7 @@ void compare_names(const ContourSet& contours, const ModelFile& model, const std
         context.warn({"W-CMD-010",
                       "the model has structures that the contours do not have",
                       {file, "", "", "", fmt::format("{}", fmt::join(more, ", "))},
-                      "nothing that is drawn tells of them: their surfaces were not compared"});
+                      "their surfaces were not compared"});
     }
 }
 
@@ -284,16 +283,16 @@ Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& mode
         best = taken->kept;
         for (const Warning& warning : taken->warnings) context.warn(warning);
         if (!taken->steps.empty()) {
-            context.warn(
-                {"W-CMD-011",
-                 "the contours are not those that the model was made of, and became so as its file says: " +
-                     fmt::format("{}", fmt::join(taken->steps, ", then ")),
-                 {file, "", "", "",
-                  before == least
-                      ? ""
-                      : fmt::format("{} vertices and {} segments not the model's before, {} and {} after",
-                                    before.first, before.second, least.first, least.second)},
-                 "checked against the contours as moved; model --contours writes them"});
+            context.warn({"W-CMD-011",
+                          "the contours are not yet those that the model was made of; these steps of its "
+                          "file were repeated: " +
+                              fmt::format("{}", fmt::join(taken->steps, ", then ")),
+                          {file, "", "", "",
+                           before == least
+                               ? ""
+                               : fmt::format("{} vertices and {} segments differed before, {} and {} after",
+                                             before.first, before.second, least.first, least.second)},
+                          "the model was checked against the moved contours; model --contours writes them"});
         }
     }
     compare_names(best, model, file, context);
@@ -301,7 +300,7 @@ Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& mode
         context.warn({"W-CMD-009",
                       "the model does not have all structures of the contours",
                       {file, "", "", "", fmt::format("{}", fmt::join(left_out, ", "))},
-                      "left out: nothing is said of them"});
+                      "they were not compared"});
     }
     std::optional<BothContours> both = both_contours(best, model.description);
     if (both)

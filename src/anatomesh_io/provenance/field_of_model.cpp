@@ -80,7 +80,7 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
     FieldOfModel best;
     if (option_of(model.description, "overlaps") && !contours.overlapping) {
         best.note =
-            "what lies between the slices is told by the contours as they were drawn, before overlaps were "
+            "the shape between slices follows from the contours as drawn, before overlaps were "
             "given to the first structure (priority); these are not";
         return best;
     }
@@ -109,7 +109,7 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
         Result<ContourField> made = contour_field(set, rules, apart);
         if (!made.ok()) {
             if (made.error().kind == ErrorKind::cancelled) return made.error();
-            best.note = "no field can be made of these contours: " + made.error().message;
+            best.note = "these contours give no field: " + made.error().message;
             return best;
         }
         std::vector<double> volumes;
@@ -123,11 +123,11 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
         best = {std::move(made).value(), std::move(volumes), way, ""};
     }
     best.note = fmt::format(
-        "for the field of these contours with {} ends and gaps of up to {:.6g} spacings joined, {}",
+        "for the field of these contours with ends '{}' and gaps of up to {:.6g} spacings joined, {}",
         best.caps, rules.max_gap_spacings,
-        known ? "as the model's file says" : "assumed: the model's file does not say");
-    if (exclude) best.note += ", structures excluding each other as in the model";
-    if (!match) best.note += "; volumes are not compared, for the structures are not the same";
+        known ? "as the model's file says" : "assumed, because the model's file does not state it");
+    if (exclude) best.note += ", with structures that do not overlap, as in the model";
+    if (!match) best.note += "; volumes are not compared, because the structures differ";
     return best;
 }
 

@@ -100,7 +100,7 @@ Status clean_mask(LabelMap& labels, const CleanMaskOptions& options, RunContext&
     if (cleaner.finish()) return Nothing{};
     return Error{ErrorKind::geometry,
                  "E-SGM-004",
-                 "the clean-up leaves nothing of the structure",
+                 "the clean-up removes all of the structure",
                  {labels.source, "", "", "", ""},
                  "give smaller radii to --median and --open"};
 }

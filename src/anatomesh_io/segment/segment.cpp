@@ -99,7 +99,7 @@ class Segmenter {
             if (value >= low && value <= high) continue;
             return Error{ErrorKind::geometry,
                          "E-SGM-002",
-                         "the value at a seed lies outside the range to grow in",
+                         "the value at a seed is outside the range of --threshold",
                          {image_.source, "", "", "",
                           fmt::format("{:.6g} at voxel {}, {}, {}", value, seed[0], seed[1], seed[2])},
                          "put the seed inside the structure, or give another --threshold LO:HI"};
@@ -250,7 +250,7 @@ class Segmenter {
         context_.warn({"W-SGM-002",
                        "the active contour was still moving after the last iteration",
                        {image_.source, "", "", "", fmt::format("{}", iterations)},
-                       "taken as it was; --iterations allows more"});
+                       "its last state was used; --iterations allows more steps"});
     }
 
     Result<ItkGrey::Pointer> smoothed() {
@@ -397,7 +397,7 @@ Result<Segmentation> segment_thin(const GreyImage& image, const SegmentOptions& 
                      "E-SGM-011",
                      "an active contour by region or edges needs four slices, or one",
                      {image.source, "", "", "", fmt::format("{} slices", image.geometry.size[2])},
-                     "treat each by itself with --per-slice, or choose --method chan-vese"};
+                     "work slice by slice with --per-slice, or choose --method chan-vese"};
     const ImageGeometry& thin = image.geometry;
     SegmentOptions repeated = options;
     if (repeated.start.empty()) {
@@ -465,11 +465,11 @@ Result<Segmentation> segment_image(const GreyImage& image, const SegmentOptions&
     if (inside == 0) return nothing_left(image);
     if (2 * static_cast<std::size_t>(inside) > mask.voxels.size())
         context.warn({"W-SGM-001",
-                      "the structure takes more than half of the image",
+                      "the structure fills more than half of the image",
                       {image.source, "", "", "",
                        fmt::format("{:.0f} %", 100.0 * static_cast<double>(inside) /
                                                    static_cast<double>(mask.voxels.size()))},
-                      "kept; it has probably leaked into what surrounds it"});
+                      "kept; it has probably spread into its surroundings, so check the result"});
     return result;
 }
 

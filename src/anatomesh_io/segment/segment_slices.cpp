@@ -135,9 +135,9 @@ class SliceSegmenter {
             if (!found) return Nothing{};
             if (share_kept(region, *found) < slices_.kept_share) {
                 context_.warn({"W-SGM-003",
-                               "the region becomes another one from one slice to the next",
+                               "the region changes abruptly from one slice to the next",
                                {image_.source, fmt::format("slice {}", order_[here]), "", "", ""},
-                               "it was not followed further; a seed in this slice would go on"});
+                               "the search ended there; a seed in this slice continues it"});
                 return Nothing{};
             }
             keep(here, *found);

@@ -42,10 +42,11 @@ std::optional<std::vector<Vec3>> closing_at_valve(const RawContours& raw, std::u
     std::optional<ValveClosing> closing = close_at_valve(points_of(raw, c), others);
     if (!closing) return std::nullopt;
     const bool is_straight = closing->between.empty();
-    log.note(c, "W-CON-029", "a contour open at a heart's valve", brief(closing->gap_mm) + " mm",
-             is_straight ? std::string("closed by a straight edge across the valve")
-                         : "closed beyond the valve, where others of the structure go on for " +
-                               brief(closing->beyond_mm) + " mm");
+    log.note(c, "W-CON-029", "the contour is open at a heart valve", brief(closing->gap_mm) + " mm",
+             is_straight
+                 ? std::string("it was closed by a straight line across the valve")
+                 : "it was closed beyond the valve, because other contours of the structure continue for " +
+                       brief(closing->beyond_mm) + " mm");
     log.of(c).rule = "open at the valve, closed over " + brief(closing->gap_mm) + " mm" +
                      (is_straight ? "" : ", " + brief(closing->beyond_mm) + " mm beyond it");
     return std::move(closing->between);
@@ -60,16 +61,16 @@ std::optional<std::vector<Vec3>> closing_of(const RawContours& raw, std::uint32_
     for (std::size_t i = 1; i < points.size(); ++i) drawn += length(points[i] - points[i - 1]);
     const double gap = length(points.back() - points.front());
     if (gap <= closing_gap_mm && gap <= closing_share * drawn) {
-        log.note(c, "W-CON-006", "an open contour with a small gap", brief(gap) + " mm",
-                 "closed by a straight edge");
+        log.note(c, "W-CON-006", "the contour is open, with a small gap", brief(gap) + " mm",
+                 "it was closed by a straight line");
         log.of(c).rule = "open, closed over " + brief(gap) + " mm";
         return std::vector<Vec3>();
     }
     if (raw.contours[c].kind == ContourKind::open_at_valve) {
         if (std::optional<std::vector<Vec3>> closing = closing_at_valve(raw, c, log)) return closing;
     }
-    log.note(c, "W-CON-005", "an open contour bounds nothing", "gap " + brief(gap) + " mm",
-             "left out of the surface");
+    log.note(c, "W-CON-005", "the contour is open and encloses no area", "gap " + brief(gap) + " mm",
+             "it was left out; --closing-gap closes wider gaps");
     log.drop(c, "open");
     return std::nullopt;
 }
@@ -77,13 +78,13 @@ std::optional<std::vector<Vec3>> closing_of(const RawContours& raw, std::uint32_
 // Whether the contour bounds nothing because it is a marker or has too few points.
 bool bounds_nothing(const RawContour& contour, std::uint32_t c, ReadingLog& log) {
     if (contour.kind == ContourKind::point) {
-        log.note(c, "W-CON-004", "a point marker bounds nothing", "", "left out of the surface");
+        log.note(c, "W-CON-004", "a point marker encloses no area", "", "it was left out");
         log.drop(c, "point marker");
         return true;
     }
     if (contour.point_count >= 3) return false;
-    log.note(c, "W-CON-003", "a contour of fewer than three points bounds nothing",
-             std::to_string(contour.point_count) + " points", "left out of the surface");
+    log.note(c, "W-CON-003", "a contour of fewer than three points encloses no area",
+             std::to_string(contour.point_count) + " points", "it was left out");
     log.drop(c, contour.point_count == 1   ? "one point"
                 : contour.point_count == 0 ? "no point"
                                            : "two points");
@@ -97,14 +98,15 @@ Result<Candidate> candidate_of(const RawContours& raw, std::uint32_t c, const st
     candidate.points.insert(candidate.points.end(), closing.begin(), closing.end());
     std::size_t repeated = drop_repeated_points(candidate.points);
     if (candidate.points.size() == 1) {
-        return Error{ErrorKind::input, "E-CON-004", "all points of a contour are equal",
+        return Error{ErrorKind::input, "E-CON-004", "all points of the contour are equal",
                      place_of_contour(raw, c), "remove the contour, or mark it as a point"};
     }
     // Many files repeat the first point at the end, to say that a contour is closed: this is no blemish.
     if (repeated > 0 && points.front() == points.back()) --repeated;
     if (repeated > 0) {
-        log.note(c, "W-CON-007", "points equal to their predecessor",
-                 std::to_string(repeated) + (repeated == 1 ? " point" : " points"), "dropped");
+        log.note(c, "W-CON-007", "consecutive points are equal",
+                 std::to_string(repeated) + (repeated == 1 ? " point" : " points"),
+                 "the copies were removed");
         log.of(c).rule = "repeated points dropped";
         log.mark_repaired(c);
     }
@@ -135,10 +137,10 @@ Status check_coordinates(const RawContours& raw) {
                 place.value = full(value);
                 if (!std::isfinite(value)) {
                     return Error{ErrorKind::input, "E-CON-002", "a coordinate is not a finite number",
-                                 std::move(place), "correct or remove the contour"};
+                                 std::move(place), "correct or remove the contour in the file"};
                 }
                 return Error{ErrorKind::input, "E-CON-003", "a coordinate is beyond 1e7 mm", std::move(place),
-                             "check the unit of the file: millimetres are expected"};
+                             "check the unit of the file; the program expects millimetres"};
             }
         }
     }
@@ -182,8 +184,8 @@ Status drop_repeats(const RawContours& raw, std::vector<Candidate>& candidates, 
             continue;
         }
         ANATOMESH_CHECK_STATUS(check_repeat(raw, candidate.raw, kept.back().raw));
-        log.note(candidate.raw, "W-CON-011", "a contour repeats another one of its structure",
-                 "contour " + place_of_contour(raw, kept.back().raw).contour, "dropped");
+        log.note(candidate.raw, "W-CON-011", "the contour repeats another one of its structure",
+                 "contour " + place_of_contour(raw, kept.back().raw).contour, "it was left out");
         log.of(candidate.raw).rule = "repeat of " + std::to_string(kept.back().raw);
     }
     candidates = std::move(kept);
@@ -195,9 +197,9 @@ Status check_repeat(const RawContours& raw, std::uint32_t contour, std::uint32_t
     const std::uint32_t hole = raw.contours[contour].is_hole ? contour : repeated;
     const std::uint32_t outline = raw.contours[contour].is_hole ? repeated : contour;
     return Error{ErrorKind::geometry, "E-CON-012",
-                 "a contour that the file calls a hole is an outline of its structure as well: contour " +
+                 "the file draws the same contour as a hole and as an outline of its structure: contour " +
                      place_of_contour(raw, outline).contour,
-                 place_of_contour(raw, hole), "take one of the two out of the file"};
+                 place_of_contour(raw, hole), "remove one of the two from the file"};
 }
 
 }  // namespace anatomesh

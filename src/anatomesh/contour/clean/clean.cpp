@@ -34,10 +34,10 @@ Status compare_names(const RawContours& raw, RunContext& context) {
         const auto [entry, is_new] = seen.try_emplace(lowered_without_blanks(structure.name), &structure);
         if (is_new) continue;
         context.warn({"W-CON-002",
-                      "two structures share a name but for case and blanks: numbers " +
+                      "two structures have the same name, apart from case and blanks: numbers " +
                           std::to_string(entry->second->number) + " and " + std::to_string(structure.number),
                       {raw.source, "", structure.name, "", ""},
-                      "both kept, told apart by number"});
+                      "both were kept; use their numbers to choose one"});
     }
     return Nothing{};
 }
@@ -59,10 +59,9 @@ CleanOptions fitted_to_span(const RawContours& raw, const std::vector<Candidate>
         *tolerance *= scale;
     options.rings.loop_mm2 *= scale * scale;
     context.warn({"W-CON-023",
-                  "all contours together span less than 1 mm: is the file in metres or centimetres?",
+                  "all contours together are smaller than 1 mm; the file may be in metres or centimetres",
                   {raw.source, "", "", "", brief(box.diagonal()) + " mm"},
-                  "taken as millimetres; if they are not, write the file in mm (1000 or 10 times the "
-                  "numbers)"});
+                  "the numbers were read as mm; if they are not, multiply them by 1000 or 10 in the file"});
     return options;
 }
 

@@ -408,7 +408,7 @@ TEST(Clean, C23_plane_given_twice) {
     const Cleaned question = clean(nested);
     ASSERT_EQ(question.code(), "E-CON-007");
     EXPECT_EQ(question.result.error().place.contour, "1");
-    EXPECT_NE(question.result.error().message.find("lies inside contour 0, of the other one"),
+    EXPECT_NE(question.result.error().message.find("lies inside contour 0 of the other drawing"),
               std::string::npos);
     const Cleaned whole = clean(nested, united);
     EXPECT_KEPT(whole);
@@ -499,12 +499,12 @@ TEST(Clean, C23_the_warning_of_planes_made_one_names_them_and_what_became_of_con
     ASSERT_EQ(refused.count("W-CON-010"), 1u);
     const Warning& merged = refused.warning("W-CON-010");
     EXPECT_EQ(merged.message,
-              "planes lie so near each other that they are one slice: slices[3] and slices[4]");
+              "planes are so close to each other that they were read as one slice: slices[3] and slices[4]");
     EXPECT_EQ(merged.place.value, "0.01 mm");
-    EXPECT_NE(merged.what_was_done.find("contradicting ones refused"), std::string::npos);
+    EXPECT_NE(merged.what_was_done.find("contradicting ones are refused"), std::string::npos);
     CleanOptions united;
     united.rings.unite_repeated_planes = true;
-    EXPECT_NE(clean(file, united).warning("W-CON-010").what_was_done.find("contradicting ones united"),
+    EXPECT_NE(clean(file, united).warning("W-CON-010").what_was_done.find("contradicting ones are united"),
               std::string::npos);
 }
 

@@ -31,17 +31,19 @@ Status keep_structures(const RawContours& raw, ContourSet& set, RunContext& cont
             set.structures.push_back(raw.structures[s]);
         } else {
             context.warn({"W-CON-001",
-                          "a structure has no contour that bounds a surface",
+                          "the structure has no contour that encloses an area",
                           {raw.source, "", name, "", ""},
-                          "left out"});
+                          "it was left out"});
         }
     }
     if (set.structures.empty()) {
         return Error{ErrorKind::input,
                      "E-CON-001",
-                     names.empty() ? "no contours, no structures" : "no contours; structures: " + names,
+                     names.empty()
+                         ? "the file holds no contours and no structures"
+                         : "the file holds no contour that encloses an area; its structures are " + names,
                      {raw.source, "", "", "", ""},
-                     "choose a file with closed planar contours"};
+                     "give a file with closed contours in planes"};
     }
     for (Contour& contour : set.contours) contour.structure = new_index[contour.structure];
     return Nothing{};
@@ -51,11 +53,11 @@ double weld_structures(ContourSet& set, double weld_mm, RunContext& context) {
     if (weld_mm <= 0) return 0;
     const WeldStats welded = weld_contours(set, weld_mm);
     if (welded.moved == 0) return welded.max_displacement_mm;
-    context.warn(
-        {"W-CON-021",
-         std::to_string(welded.moved) + " vertices differ from one of another structure by rounding alone",
-         {set.source, "", "", "", "at most " + full(welded.max_displacement_mm) + " mm"},
-         "moved onto it"});
+    context.warn({"W-CON-021",
+                  std::to_string(welded.moved) +
+                      " vertices differ from a vertex of another structure by rounding only",
+                  {set.source, "", "", "", "at most " + full(welded.max_displacement_mm) + " mm"},
+                  "they were moved onto that vertex"});
     return welded.max_displacement_mm;
 }
 
@@ -87,10 +89,11 @@ Status thin_crowded_points(const RawContours& raw, double crowded_mm, ResolvedSl
     Place place = place_of_contour(raw, counts.begin()->first);
     place.value = std::to_string(thin.left_out.size()) + " points";
     context.warn({"W-CON-032",
-                  std::to_string(thin.left_out.size()) + " points lie nearer than " + brief(crowded_mm) +
-                      " mm to the next; the first such contour is named",
+                  std::to_string(thin.left_out.size()) + " points are closer than " + brief(crowded_mm) +
+                      " mm to the next one; the contour named is the first of these",
                   std::move(place),
-                  "left out: they are within " + brief(thin.distance_mm) + " mm of the line that is kept"});
+                  "they were left out, which moves the contours by at most " + brief(thin.distance_mm) +
+                      " mm; --epsilon exact keeps them"});
     return Nothing{};
 }
 
@@ -100,9 +103,9 @@ void add_empty_slices(std::vector<EmptyPlane> planes, const std::vector<std::str
     const std::vector<std::string> not_placed = keep_empty_slices(set, planes, group_tolerance_mm);
     if (not_placed.empty()) return;
     context.warn({"W-CON-031",
-                  "planes without contours cross others, and how far they reach is not known",
+                  "planes without contours cross other planes, and their extent is unknown",
                   {set.source, not_placed.front(), "", "", std::to_string(not_placed.size()) + " planes"},
-                  "they tell nothing; what ends there is to be drawn on a plane that meets it"});
+                  "they were not used; if a structure ends there, draw its end on a plane that crosses it"});
 }
 
 }  // namespace anatomesh

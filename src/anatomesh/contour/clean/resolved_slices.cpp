@@ -26,10 +26,10 @@ Status check_holes(const RawContours& raw, const Resolved& resolved, ReadingLog&
                 check_repeat(raw, reading.source, static_cast<std::uint32_t>(reading.repeats)));
         }
         if (!raw.contours[reading.source].is_hole || !reading.adds) continue;
-        log.note(
-            reading.source, "W-CON-033",
-            "a contour that the file calls a hole lies in no outline of its structure, or in another hole",
-            "", "treated as part of the structure");
+        log.note(reading.source, "W-CON-033",
+                 "the file calls the contour a hole, but it lies outside all outlines of its structure or in "
+                 "another hole",
+                 "", "it was read as an outline of the structure");
     }
     return Nothing{};
 }
@@ -53,19 +53,19 @@ std::string listed(const std::vector<std::string>& names) {
 
 Warning warning_of_spread(const RawContours& raw, const CandidateSlice& slice, const CleanOptions& options) {
     const bool is_one_plane = slice.given_names.size() < 2;
-    std::string done = "taken as one slice; points within " + brief(options.planes.plane_tolerance_mm) +
-                       " mm of its plane stay where they are; ";
+    std::string done = "they were read as one slice; points within " +
+                       brief(options.planes.plane_tolerance_mm) + " mm of its plane stay where they are; ";
     if (is_one_plane) {
         done += "a contour inside another one is a hole, overlapping ones are united";
     } else if (options.rings.unite_repeated_planes) {
-        done += "nearly equal contours are dropped, contradicting ones united";
+        done += "nearly equal contours are left out, contradicting ones are united";
     } else {
-        done += "nearly equal contours are dropped, contradicting ones refused";
+        done += "nearly equal contours are left out, contradicting ones are refused";
     }
     return {"W-CON-010",
-            is_one_plane
-                ? "contours of one slice lie on planes that differ"
-                : "planes lie so near each other that they are one slice: " + listed(slice.given_names),
+            is_one_plane ? "contours of one slice lie in slightly different planes"
+                         : "planes are so close to each other that they were read as one slice: " +
+                               listed(slice.given_names),
             {raw.source, slice.name, "", "", brief(slice.spread_mm) + " mm"},
             done};
 }

@@ -58,8 +58,8 @@ Error error_off_plane(const RawContours& raw, const CandidateSlice& slice, std::
     place.contour += ", point " + std::to_string(index);
     place.value = brief(std::abs(slice.plane.signed_distance(point))) + " mm";
     return {ErrorKind::input, "E-CON-005",
-            "a point lies further than " + brief(plane_repair_mm) + " mm off the plane of its contour",
-            std::move(place), "correct the contour, or raise the bound with --plane-repair"};
+            "a point is more than " + brief(plane_repair_mm) + " mm away from the plane of its contour",
+            std::move(place), "correct the contour, or allow a larger distance with --plane-repair"};
 }
 
 }  // namespace
@@ -88,8 +88,8 @@ Result<double> move_onto_plane(const RawContours& raw, const CandidateSlice& sli
         if (axis == 2) p.z = plane.origin.z;
     }
     if (moved > 0) {
-        log.note(candidate.raw, "W-CON-009", "points lie off the plane of their contour",
-                 brief(moved) + " mm", "moved onto slice " + slice.name);
+        log.note(candidate.raw, "W-CON-009", "points do not lie in the plane of their contour",
+                 brief(moved) + " mm", "they were projected onto slice " + slice.name);
         ContourLog& entry = log.of(candidate.raw);
         entry.max_displacement_mm = std::max(entry.max_displacement_mm, moved);
         entry.rule = "moved onto its plane";
@@ -107,15 +107,15 @@ std::optional<Ring> ring_of(const RawContours& raw, const Plane& plane, double l
     ring.plane = raw.contours[c].plane;
     const std::size_t spikes = remove_spikes(ring);
     if (ring.size() < 3 || has_no_width(ring.at, no_width_mm) || is_speck(ring.at, loop_mm2)) {
-        log.note(c, "W-CON-008", "a contour without area", std::to_string(points) + " points",
-                 "left out of the surface");
+        log.note(c, "W-CON-008", "the contour encloses no area", std::to_string(points) + " points",
+                 "it was left out");
         log.drop(c, "no area");
         return std::nullopt;
     }
     if (spikes > 0) {
-        log.note(c, "W-CON-012", "the contour turns back on itself",
+        log.note(c, "W-CON-012", "the contour has spikes, where it turns back on itself",
                  std::to_string(spikes) + (spikes == 1 ? " point" : " points"),
-                 "spikes removed; no other point moves");
+                 "the spikes were removed; no other point was moved");
         log.of(c).rule = "spikes removed";
         log.mark_repaired(c);
     }

@@ -39,11 +39,12 @@ void warn_of_area_changes(std::span<const AreaChange> changes, const std::vector
     for (std::size_t s = 0; s < sums.size(); ++s) {
         if (!(sums[s].change_mm2 > most_change * sums[s].area_mm2)) continue;
         const Structure& structure = structures[s];
-        context.warn({"W-CON-024",
-                      "simplification changes the area of the contours by more than 5 %",
-                      {source, "", structure.name.empty() ? std::to_string(structure.number) : structure.name,
-                       "", brief(100 * sums[s].change_mm2 / sums[s].area_mm2) + " %"},
-                      "kept; a smaller --epsilon follows them more closely"});
+        context.warn(
+            {"W-CON-024",
+             "simplification changes the area of the contours by more than 5 %",
+             {source, "", structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
+              brief(100 * sums[s].change_mm2 / sums[s].area_mm2) + " %"},
+             "the simplified contours were used; a smaller --epsilon keeps them closer to the drawing"});
     }
 }
 

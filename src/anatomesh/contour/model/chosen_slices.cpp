@@ -89,9 +89,9 @@ Result<std::vector<std::uint8_t>> named_slices(std::span<const std::vector<std::
         if (names.size() > most_names_listed) list += ", ...";
         return Error{ErrorKind::usage,
                      "E-CON-010",
-                     "there is no such slice",
+                     "--without names a slice that the input does not have",
                      {file, text, "", "", ""},
-                     "there are: " + list};
+                     "the slices are: " + list};
     }
     return is_named;
 }
@@ -113,7 +113,7 @@ Result<ContourSet> without_slices(ContourSet set, std::span<const std::string> n
 Error no_slice_left(const std::string& file) {
     return {ErrorKind::usage,
             "E-CON-011",
-            "no slice with a contour is left",
+            "--without leaves no slice with a contour",
             {file, "", "", "", ""},
             "leave out fewer slices"};
 }

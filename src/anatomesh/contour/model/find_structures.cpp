@@ -38,9 +38,9 @@ Result<std::vector<std::uint32_t>> find_structures(const std::vector<Structure>&
         if (found) continue;
         return Error{ErrorKind::usage,
                      "E-CMD-005",
-                     "there is no such structure",
+                     "the input has no structure of this name or number",
                      {file, "", text, "", ""},
-                     "there are: " + list_of(all)};
+                     "the structures are: " + list_of(all)};
     }
     std::vector<std::uint32_t> indices;
     for (std::size_t i = 0; i < all.size(); ++i) {

@@ -38,8 +38,8 @@ TEST(FindStructures, says_what_there_is) {
     const auto result = find_structures(all, {"spleen", "kidney"}, "a.json");
     ASSERT_FALSE(result.ok());
     EXPECT_EQ(to_line(result.error()),
-              "E-CMD-005 a.json, structure kidney: there is no such structure (next: there are: liver (3), "
-              "spleen (7), 7 (5), liver (8), 9)");
+              "E-CMD-005 a.json, structure kidney: the input has no structure of this name or number "
+              "(next: the structures are: liver (3), spleen (7), 7 (5), liver (8), 9)");
     std::vector<Structure> many(150);
     for (std::size_t s = 0; s < many.size(); ++s) many[s].number = static_cast<std::int32_t>(s + 1);
     const auto none = find_structures(many, {"x"}, "a.json");

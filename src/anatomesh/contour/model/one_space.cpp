@@ -20,11 +20,12 @@ Status check_one_space(const RawContours& raw, bool take_for_one, RunContext& co
         "'" + name(*first) + "' and '" + name(*other) + "' are drawn in different frames of reference";
     const Place place{raw.source, "", name(*other), "", ""};
     if (take_for_one) {
-        context.warn({"W-RTS-007", message, place, "taken for one, as --ignore-frame-of-reference has it"});
+        context.warn({"W-RTS-007", message, place,
+                      "they were used together, because --ignore-frame-of-reference is given"});
         return Nothing{};
     }
     return Error{ErrorKind::input, "E-RTS-010", message, place,
-                 "choose structures of one frame with --structure, or take both as they are with "
+                 "choose structures of one frame with --structure, or use both as they are with "
                  "--ignore-frame-of-reference"};
 }
 

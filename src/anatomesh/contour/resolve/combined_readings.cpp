@@ -19,19 +19,19 @@ Status read_self_contact(const Ring& ring, const RingFate& fate, double max_repa
         const std::string value = brief(fate.ambiguous_area_mm2) + " mm2, " + brief(100 * share) + " %";
         if (share > max_repair_area_share) {
             return Error{ErrorKind::geometry, "E-CON-006",
-                         "the contour crosses itself, and what it bounds is ambiguous by more than the bound",
+                         "the contour crosses itself, and too much of the area that it encloses is ambiguous",
                          readings.place_with_value(ring.source, value),
-                         "redraw the contour, or raise the bound with --max-repair"};
+                         "draw the contour again, or allow more with --max-repair"};
         }
         readings.note(ring.source, "W-CON-014", "the contour crosses itself", value,
-                      "read by the even-odd rule");
+                      "areas that it encloses an even number of times are outside (even-odd rule)");
         append_rule(reading, "self-crossing, even-odd");
         reading.area_change_mm2 += fate.ambiguous_area_mm2;
         reading.repaired = true;
     } else if (fate.retraces_itself) {
         append_rule(reading, "keyhole, opened");
     } else if (fate.touches_itself) {
-        readings.note(ring.source, "W-CON-015", "the contour touches itself", "", "split there");
+        readings.note(ring.source, "W-CON-015", "the contour touches itself", "", "it was split there");
         append_rule(reading, "split where it touches itself");
         reading.repaired = true;
     }
@@ -48,14 +48,15 @@ void read_nesting_of(std::span<const Ring> rings, const Ring& ring, const RingFa
                          : fate.level % 2 == 1              ? "hole of " + parent
                                                             : "island in hole " + parent);
     if (fate.protruding_area_mm2 > 0 && fate.level > 0) {
-        readings.note(ring.source, "W-CON-017", "a contour inside contour " + parent + " reaches beyond it",
-                      brief(fate.protruding_area_mm2) + " mm2", "cut off");
+        readings.note(ring.source, "W-CON-017",
+                      "the contour lies inside contour " + parent + ", but partly reaches beyond it",
+                      brief(fate.protruding_area_mm2) + " mm2", "the part outside was cut off");
         reading.area_change_mm2 += fate.protruding_area_mm2;
         reading.repaired = true;
     }
     if (fate.shares_edge) {
         readings.note(ring.source, "W-CON-016", "contours of one structure share an edge", "",
-                      "joined along it");
+                      "they were joined along it");
         reading.repaired = true;
     }
 }
@@ -80,7 +81,7 @@ void read_united_groups(std::span<const Ring> rings, const Combined& combined, R
             if (source == first) reading.area_change_mm2 += area;
         }
         readings.note(first, "W-CON-019", "the contour overlaps others of its structure: " + others,
-                      brief(area) + " mm2", "united");
+                      brief(area) + " mm2", "the contours were united");
     }
 }
 

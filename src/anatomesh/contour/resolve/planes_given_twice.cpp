@@ -29,10 +29,10 @@ bool is_covered(std::uint32_t r, const std::vector<Ring>& rings, const Combined&
 Error contradiction(std::uint32_t first, std::uint32_t second, double differing_mm2,
                     const RingReadings& readings) {
     return {ErrorKind::geometry, "E-CON-007",
-            "a plane is given twice and its contours contradict each other: contour " +
+            "a plane is drawn twice, and the two drawings contradict each other: contour " +
                 readings.place_of(first).contour + " and this one",
             readings.place_with_value(second, brief(differing_mm2) + " mm2"),
-            "leave one of the two planes out with --without, or unite them with --unite-repeated-planes"};
+            "leave out one of the two planes with --without, or unite them with --unite-repeated-planes"};
 }
 
 }  // namespace
@@ -57,9 +57,10 @@ bool unite_nested_planes(std::vector<Ring>& rings, const Combined& combined, Rin
         reading.points_kept = 0;
         reading.repaired = true;
         readings.note(rings[r].source, "W-CON-022",
-                      "a plane is given twice: this contour of plane " + std::to_string(rings[r].plane) +
-                          " lies inside what is drawn on the other",
-                      brief(combined.fates[r].area_mm2) + " mm2", "united: adds nothing");
+                      "a plane is drawn twice, and this contour of plane " + std::to_string(rings[r].plane) +
+                          " lies inside a contour of the other drawing",
+                      brief(combined.fates[r].area_mm2) + " mm2",
+                      "the two were united; this contour adds nothing");
     }
     rings = std::move(rest);
     return true;
@@ -78,8 +79,8 @@ Result<bool> drop_repeat_of_plane(std::vector<Ring>& rings, const Combined& comb
             if (all - common <= options.max_repair_area_share * all) {
                 const std::string repeated = std::to_string(rings[q].source);
                 readings.note(source, "W-CON-018",
-                              "a plane is given twice, with nearly the same contour " + repeated,
-                              brief(all - common) + " mm2", "dropped");
+                              "a plane is drawn twice, with nearly the same contour " + repeated,
+                              brief(all - common) + " mm2", "it was left out");
                 RingReading& reading = readings.of[source];
                 reading.rule = "near repeat of " + repeated;
                 reading.points_kept = 0;
@@ -103,18 +104,19 @@ Status check_nesting_across_planes(const std::vector<Ring>& rings, const Combine
         if (fate.parent < 0) continue;
         const auto parent = static_cast<std::uint32_t>(fate.parent);
         if (rings[r].plane < 0 || rings[parent].plane < 0 || rings[r].plane == rings[parent].plane) continue;
-        const std::string message = "a plane is given twice: this contour lies inside contour " +
-                                    readings.place_of(rings[parent].source).contour + ", of the other one";
+        const std::string message = "a plane is drawn twice, and this contour lies inside contour " +
+                                    readings.place_of(rings[parent].source).contour + " of the other drawing";
         const std::string value = brief(fate.area_mm2) + " mm2";
         if (fate.level % 2 == 1) {
             return Error{ErrorKind::geometry, "E-CON-007", message,
                          readings.place_with_value(rings[r].source, value),
-                         "unite the two with --unite-repeated-planes or leave one of the planes out with "
-                         "--without; if it "
-                         "is a hole, put both contours on one plane"};
+                         "unite the two with --unite-repeated-planes, or leave out one plane with --without; "
+                         "for a hole, "
+                         "draw both contours in one plane"};
         }
         readings.note(rings[r].source, "W-CON-022", message, value,
-                      fate.level > 0 ? "read as an island in a hole" : "adds nothing, holes are filled");
+                      fate.level > 0 ? "it was read as an island in a hole"
+                                     : "it adds nothing, because holes are filled");
     }
     return Nothing{};
 }

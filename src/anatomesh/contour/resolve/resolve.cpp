@@ -46,8 +46,8 @@ void close_corridors_of_all(std::vector<Ring>& rings, const ResolveOptions& opti
         double moved = close_corridors(ring, options.corridor_mm);
         moved = std::max(moved, close_keyholes(ring, options.keyhole_mm, options.corridor_mm));
         if (moved == 0) continue;
-        readings.note(ring.source, "W-CON-013", "the contour runs back along itself in a narrow corridor",
-                      brief(moved) + " mm", "corridor closed");
+        readings.note(ring.source, "W-CON-013", "a narrow corridor joins the contour to a hole or island",
+                      brief(moved) + " mm", "the corridor was closed");
         RingReading& reading = readings.of[ring.source];
         reading.repaired = true;
         reading.displacement_mm = moved;
@@ -71,8 +71,8 @@ void drop_doubled(std::vector<Ring>& rings, double repeat_mm, RingReadings& read
         dropped[pair.smaller] = 1;
         const std::string number = std::to_string(larger.source);
         readings.note(ring.source, "W-CON-011",
-                      "a contour nearly repeats contour " + number + " of its structure",
-                      brief(pair.apart_mm) + " mm apart", "dropped");
+                      "the contour nearly repeats contour " + number + " of its structure",
+                      brief(pair.apart_mm) + " mm apart", "it was left out");
         RingReading& reading = readings.of[ring.source];
         reading.rule = "near repeat of " + number;
         reading.repeats = larger.source;
@@ -97,7 +97,8 @@ std::map<std::uint32_t, std::uint32_t> close_loops_of_all(std::vector<Ring>& rin
         readings.note(ring.source, "W-CON-030",
                       closed->loops == 1 ? "the contour crosses itself in a small loop"
                                          : "the contour crosses itself in " + loops + " small loops",
-                      brief(closed->area_mm2) + " mm2", "closed: no hole or island");
+                      brief(closed->area_mm2) + " mm2",
+                      "the loops were closed; they become no holes or islands");
         RingReading& reading = readings.of[ring.source];
         append_rule(reading, loops + (closed->loops == 1 ? " loop closed" : " loops closed"));
         reading.area_change_mm2 += closed->area_mm2;
@@ -117,8 +118,9 @@ Result<Combined> combine_without_repeats(std::vector<Ring>& rings, const Plane& 
         std::optional<Combined> combined =
             combine_rings(rings, plane, rule, options.max_repair_area_share, most_crossings);
         if (!combined) {
-            return Error{ErrorKind::limit, "E-CON-008", "the contours cross too often to be repaired",
-                         readings.place_of(rings.front().source), "repair the contours"};
+            return Error{ErrorKind::limit, "E-CON-008",
+                         "the contours of the slice cross too often to be repaired",
+                         readings.place_of(rings.front().source), "draw the contours of this slice again"};
         }
         const bool unites = first && options.unite_repeated_planes && rule == CombineRule::nest_and_unite;
         if (unites && unite_nested_planes(rings, *combined, readings)) continue;
@@ -131,15 +133,16 @@ Status move_apart(std::vector<Ring>& rings, const Plane& plane, double separatio
                   RingReadings& readings) {
     std::vector<Separation> done;
     if (!separate_rings(rings, plane, separation_mm, done)) {
-        return Error{ErrorKind::geometry, "E-CON-009", "contours touch where there is no room to part them",
-                     readings.place_of(rings.front().source), "redraw the contours"};
+        return Error{ErrorKind::geometry, "E-CON-009",
+                     "contours of one structure touch where there is no space to separate them",
+                     readings.place_of(rings.front().source), "draw the contours of this slice again"};
     }
     for (const Separation& separation : done) {
         const std::uint32_t source = rings[separation.ring].source;
         readings.note(
-            source, "W-CON-020", "two rings of one structure touch at a vertex",
+            source, "W-CON-020", "two contours of one structure touch at a vertex",
             std::to_string(separation.vertices) + (separation.vertices == 1 ? " vertex" : " vertices"),
-            "moved apart by " + brief(separation.displacement_mm) + " mm");
+            "they were moved apart by " + brief(separation.displacement_mm) + " mm");
         RingReading& reading = readings.of[source];
         reading.displacement_mm = std::max(reading.displacement_mm, separation.displacement_mm);
         reading.repaired = true;
@@ -172,10 +175,11 @@ void warn_of_doubtful_walls(const std::vector<Ring>& rings, const Nesting& nesti
             nesting.parent[pair.smaller] != static_cast<std::int32_t>(pair.larger))
             continue;
         readings.note(rings[pair.smaller].source, "W-CON-026",
-                      "a hole follows its outline, contour " + std::to_string(rings[pair.larger].source) +
-                          ", all around: was it drawn twice?",
+                      "a hole runs close along its outline, contour " +
+                          std::to_string(rings[pair.larger].source) +
+                          ", all around; the outline may be drawn twice",
                       brief(pair.apart_mm) + " mm apart",
-                      "read as a hole: what is left is the wall between the two");
+                      "it was read as a hole, so that a thin wall remains; check the drawing");
     }
 }
 

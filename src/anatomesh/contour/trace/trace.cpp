@@ -228,15 +228,15 @@ void sum_up(const std::vector<SliceContours>& slices, double pixel_area, TraceSt
 void warn_about_pieces(const TraceStats& stats, const std::string& file, RunContext& context) {
     if (stats.islands_left_out > 0) {
         context.warn({"W-TRC-002",
-                      std::to_string(stats.islands_left_out) + " islands are below the minimum area",
+                      std::to_string(stats.islands_left_out) + " islands are smaller than the minimum area",
                       {file, "", "", "", ""},
-                      "left out, given to what surrounds them"});
+                      "they were left out; --min-area 0 keeps them"});
     }
     if (stats.holes_filled > 0) {
         context.warn({"W-TRC-003",
-                      std::to_string(stats.holes_filled) + " holes are below the minimum area",
+                      std::to_string(stats.holes_filled) + " holes are smaller than the minimum area",
                       {file, "", "", "", ""},
-                      "filled, given to what surrounds them"});
+                      "they were filled; --min-area 0 keeps them"});
     }
 }
 
@@ -250,10 +250,12 @@ void warn_about_structures(const LabelMap& labels, const std::vector<SliceContou
     for (std::size_t s = 0; s < labels.structures.size(); ++s) {
         const Place place{labels.source, "", name_of(labels.structures[s]), "", ""};
         if (contours[s] == 0) {
-            context.warn({"W-TRC-004", "no contour in the kept slices", place, "the structure stays empty"});
+            context.warn({"W-TRC-004", "the structure has no contour in the slices that are used", place,
+                          "it is not in the model; a smaller --every uses more slices"});
         } else if (cut[s] > 0) {
-            context.warn({"W-TRC-001", "cut by the image border in " + std::to_string(cut[s]) + " slices",
-                          place, "closed half a pixel beyond the border"});
+            context.warn({"W-TRC-001",
+                          "the structure reaches the image border in " + std::to_string(cut[s]) + " slices",
+                          place, "it was closed half a pixel beyond the border"});
         }
     }
 }
@@ -276,14 +278,14 @@ void warn_about_missed_pieces(const LabelMap& labels, const SliceAxes& axes, con
         context.warn(
             {"W-TRC-006",
              std::to_string(of.pieces) +
-                 (one ? " piece of the structure lies" : " pieces of the structure lie") +
-                 " wholly between the slices that --every keeps",
+                 (one ? " part of the structure lies" : " parts of the structure lie") +
+                 " entirely between the slices that --every keeps",
              {labels.source, "", name_of(labels.structures[s]), "",
               brief(static_cast<double>(of.voxels) * voxel_mm3) + " mm3" +
                   (one ? ""
                        : ", the largest " + brief(static_cast<double>(of.largest) * voxel_mm3) + " mm3")},
-             one ? "the model is without it; a smaller --every keeps it"
-                 : "the model is without them; a smaller --every keeps them"});
+             one ? "the model lacks it; a smaller --every keeps it"
+                 : "the model lacks them; a smaller --every keeps them"});
     }
 }
 
@@ -315,9 +317,9 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     if (options.offset >= axes.size[2]) {
         return Error{ErrorKind::geometry,
                      "E-TRC-002",
-                     "the image has " + std::to_string(axes.size[2]) + " slices, so none is kept",
+                     "the image has " + std::to_string(axes.size[2]) + " slices, so that --offset keeps none",
                      {labels.source, "", "", "", ""},
-                     "choose a smaller offset"};
+                     "give a smaller --offset"};
     }
 
     Settings settings;
@@ -359,14 +361,13 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
                                                          [](std::uint16_t label) { return label != 0; });
         return Error{ErrorKind::geometry,
                      "E-TRC-001",
-                     too_small ? "every piece is below the minimum area"
-                     : elsewhere
-                         ? "nothing to trace: no voxel is labelled in the " + std::to_string(slices.size()) +
-                               " of " + std::to_string(axes.size[2]) + " slices that are kept"
-                         : "nothing to trace: no voxel is labelled",
+                     too_small   ? "every part is smaller than the minimum area"
+                     : elsewhere ? "no voxel belongs to a structure in the " + std::to_string(slices.size()) +
+                                       " of " + std::to_string(axes.size[2]) + " slices that are used"
+                                 : "no voxel belongs to a structure",
                      {labels.source, "", list_of(labels.structures), "", ""},
-                     too_small   ? "lower the minimum area"
-                     : elsewhere ? "choose a smaller --every or another --offset"
+                     too_small   ? "give a smaller --min-area"
+                     : elsewhere ? "give a smaller --every or another --offset"
                                  : "check the labels or the threshold"};
     }
     warn_about_pieces(stats, labels.source, context);
@@ -378,10 +379,10 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     for (const AreaChange& change : changes) area += change.area_mm2;
     if (stats.area_left_out_mm2 > much_left_out * (area + stats.area_left_out_mm2)) {
         context.warn({"W-TRC-005",
-                      "islands below the minimum area are more than 5 % of what is labelled",
+                      "islands smaller than the minimum area are more than 5 % of the labelled area",
                       {labels.source, "", "", "",
                        brief(100 * stats.area_left_out_mm2 / (area + stats.area_left_out_mm2)) + " %"},
-                      "left out; --min-area 0 keeps them"});
+                      "they were left out, so that thin parts may be missing; --min-area 0 keeps them"});
     }
     warn_of_area_changes(changes, set.structures, set.source, context);
     warn_about_structures(labels, slices, set, context);

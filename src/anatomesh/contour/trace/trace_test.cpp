@@ -222,7 +222,7 @@ TEST(Trace, slices_kept_where_nothing_is_labelled_are_told_from_an_empty_image) 
     EXPECT_EQ(traced.error().code, "E-TRC-001");
     EXPECT_EQ(traced.error().message,
               "nothing to trace: no voxel is labelled in the 2 of 5 slices that are kept");
-    EXPECT_EQ(traced.error().next_step, "choose a smaller --every or another --offset");
+    EXPECT_EQ(traced.error().next_step, "give a smaller --every or another --offset");
     options.offset = 2;
     EXPECT_TRUE(trace_contours(map, nullptr, 0, options, context).ok());
 }
@@ -350,7 +350,7 @@ TEST(Trace, L16_everything_below_the_minimum_area) {
     RunContext context;
     const auto traced = trace_contours(slice_of({"000", "010", "000"}), nullptr, 0, {}, context);
     ASSERT_FALSE(traced.ok());
-    EXPECT_EQ(traced.error().next_step, "lower the minimum area");
+    EXPECT_EQ(traced.error().next_step, "give a smaller --min-area");
 }
 
 TEST(Trace, L17_thinnest_images) {

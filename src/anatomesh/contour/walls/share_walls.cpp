@@ -28,14 +28,14 @@ void share_copied_lines(ContourSet& kept, double width_mm, RunContext& context) 
     sharing.width_mm = width_mm;
     const MergeCoincidentStats stats = merge_coincident(kept, sharing);
     if (!(stats.widest_mm > 0)) return;
-    context.warn(
-        {"W-CON-027",
-         counted(stats.vertices_moved, "vertex", "vertices") + " moved onto one of another structure and " +
-             counted(stats.vertices_taken, "vertex", "vertices") +
-             " taken from others into segments, where contours of different structures lie less than " +
-             significant_text(stats.width_mm, 3) + " mm apart: " + extent_of(stats),
-         worst_place(kept, stats, "mm"),
-         "copies of one line share its vertices; --same-line 0 keeps them as drawn"});
+    context.warn({"W-CON-027",
+                  counted(stats.vertices_moved, "vertex", "vertices") +
+                      " moved onto a neighbouring structure and " +
+                      counted(stats.vertices_taken, "vertex", "vertices") +
+                      " copied from one, where contours of different structures are less than " +
+                      significant_text(stats.width_mm, 3) + " mm apart: " + extent_of(stats),
+                  worst_place(kept, stats, "mm"),
+                  "these structures share their boundary there; --same-line 0 keeps the contours as drawn"});
 }
 
 // Walls that were drawn once for each of the structures that share them.
@@ -46,12 +46,13 @@ void close_slivers_between(ContourSet& kept, double width_mm, RunContext& contex
     if (stats.contours_changed == 0) return;
     context.warn(
         {"W-CON-028",
-         "slivers between contours of neighbouring structures that meet and soon meet again, narrower than " +
+         "contours of neighbouring structures cross repeatedly, with gaps and overlaps narrower than " +
              plain_text(width_mm) + " mm and " + plain_text(std::round(100 * closing.share_of_segment)) +
-             " % of their segments; closed, both led through each other's vertices there: " +
-             extent_of(stats),
+             " % of their segments: " + extent_of(stats),
          worst_place(kept, stats, "mm wide"),
-         "no vertex moves for it; --close-slivers 0 keeps the contours as drawn"});
+         "they share their boundary there, through the vertices of both; no vertex was moved; "
+         "--close-slivers 0 "
+         "keeps the contours as drawn"});
 }
 
 // Walls that neighbouring structures share but for less than a pixel.
@@ -60,11 +61,11 @@ void close_narrow_gaps(ContourSet& kept, double width_mm, RunContext& context) {
     if (stats.contours_changed == 0) return;
     context.warn({"W-CON-025",
                   "gaps and overlaps below " + plain_text(width_mm) +
-                      " mm between contours of neighbouring structures; led through each other's vertices: " +
-                      extent_of(stats),
+                      " mm lie between contours of neighbouring structures: " + extent_of(stats),
                   worst_place(kept, stats, "mm wide"),
-                  "no vertex moves for it, but slices that cross may come to disagree there; without "
-                  "--close-gaps the contours stay as they are"});
+                  "they share their boundary there, through the vertices of both; crossing slices may then "
+                  "disagree; without "
+                  "--close-gaps the contours stay as drawn"});
 }
 
 }  // namespace

@@ -272,11 +272,12 @@ void warn_of_unknown_slices(const ContourSet& set, RunContext& context) {
         for (const Structure& structure : level.structures)
             names += (names.empty() ? "" : ", ") +
                      (structure.name.empty() ? std::to_string(structure.number) : structure.name);
-        context.warn({"W-FLD-012",
-                      "drawn on slices of its own: others between these draw other structures and not it",
-                      {set.source, set.slices[*gap + 1].name, names, "",
-                       std::to_string(own.back() - own.front() + 1 - own.size()) + " slices without it"},
-                      "taken to say nothing about it: it goes on through them"});
+        context.warn(
+            {"W-FLD-012",
+             "slices between those of the structure draw other structures, but not this one",
+             {set.source, set.slices[*gap + 1].name, names, "",
+              std::to_string(own.back() - own.front() + 1 - own.size()) + " slices without it"},
+             "the structure was continued through them; if it ends there, draw it as two structures"});
     }
 }
 

@@ -218,7 +218,7 @@ Status PatchField::build_maps(const ContourSet& set, const std::vector<std::uint
                      "E-FLD-002",
                      "no contour encloses an area",
                      {set.source, "", "", "", ""},
-                     ""};
+                     "check the contours; each needs three points or more and an area"};
     }
     maps_.resize(jobs.size());
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {

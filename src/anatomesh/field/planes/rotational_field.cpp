@@ -173,12 +173,11 @@ void warn_about_gaps(const ContourSet& set, const RotationalSweep& sweep, RunCon
                       gaps.size(), gaps.size() > 1 ? "s" : "", widest->angle * 180 / std::numbers::pi);
         context.warn(
             {joined ? "W-FLD-002" : "W-FLD-001",
-             "slices are missing, or nothing is drawn on a half of them, between slices about an axis",
+             "slices about the axis are missing, or one half of them is empty",
              {set.source, set.slices[widest->from].name, "", "", value + set.slices[widest->to].name},
-             joined
-                 ? "the gaps were bridged: what lies in them follows from none"
-                 : "what is drawn ends on both sides of the gaps, but near the axis; --max-gap joins it over "
-                   "up to 110 degrees"});
+             joined ? "the structure was continued through the gaps, where its shape is a guess"
+                    : "the structure ends on both sides of the gaps, except near the axis; --max-gap joins "
+                      "it over up to 110 degrees"});
     }
 }
 

@@ -52,7 +52,7 @@ Result<std::vector<std::uint32_t>> places(const ContourSet& set, const Plane& fr
         const double steps = spacing > 0 ? (at[s] - first) / spacing : 0, whole = std::round(steps);
         if (std::abs(steps - whole) > even_share || whole == before || whole > 1e6)
             return stack_error(ErrorKind::geometry, "E-FLD-005",
-                               "the slices are not equidistant, as those of an image are", set,
+                               "the slices are not equidistant, and an image needs equidistant ones", set,
                                set.slices[s].name, "choose equidistant slices with --every and --offset");
         place[s] = static_cast<std::uint32_t>(whole);
         before = whole;
@@ -70,11 +70,12 @@ std::vector<SliceRegion> regions_at(const ContourSet& set, const SliceStack& sta
 
 Result<SliceStack> slice_stack(const ContourSet& set, const SliceStackOptions& options, RunContext& context) {
     if (set.contours.empty())
-        return stack_error(ErrorKind::geometry, "E-FLD-001", "there are no contours", set, "", "");
+        return stack_error(ErrorKind::geometry, "E-FLD-001", "the input has no contours", set, "",
+                           "choose a structure that has contours");
     if (!all_parallel(set, parallel_tolerance_mm))
         return stack_error(ErrorKind::geometry, "E-FLD-004",
-                           "the slices are not parallel, so they are no slices of one image", set, "",
-                           "leave only slices of one direction in the input");
+                           "the slices are not parallel, and an image needs parallel ones", set, "",
+                           "leave out the slices of other directions with --without");
     SliceStack stack;
     stack.frame = set.slices.front().plane;
     const Box2 box = box_of(set, stack.frame);
@@ -90,8 +91,9 @@ Result<SliceStack> slice_stack(const ContourSet& set, const SliceStackOptions& o
     const double nx = last.x - first.x + 1, ny = last.y - first.y + 1;
     const double nz = *std::max_element(place.begin(), place.end()) + 1.0;
     if (nx * ny * nz > static_cast<double>(options.max_voxels) || std::max(nx, ny) > 1e6)
-        return stack_error(ErrorKind::limit, "E-FLD-006", "the image would have more voxels than the limit",
-                           set, "", "give a larger --pixel, or --limit voxels=N");
+        return stack_error(ErrorKind::limit, "E-FLD-006",
+                           "the image would have more voxels than the limit allows", set, "",
+                           "give a larger --pixel, or --limit voxels=N");
     stack.grid = {
         pixel * first, {pixel, pixel}, static_cast<std::uint32_t>(nx), static_cast<std::uint32_t>(ny)};
     stack.slice.assign(static_cast<std::size_t>(nz), SliceStack::none);
@@ -104,7 +106,7 @@ Result<SliceStack> slice_stack(const ContourSet& set, const SliceStackOptions& o
         context.warn({"W-FLD-006",
                       "slices are missing between those with contours",
                       {set.source, "", "", "", std::to_string(missing)},
-                      "empty slices in the image"});
+                      "they are empty in the image"});
     ImageGeometry& geometry = stack.geometry;
     geometry.size = {stack.grid.nx, stack.grid.ny, static_cast<std::uint32_t>(stack.slice.size())};
     geometry.step = {pixel * stack.frame.u, pixel * stack.frame.v, spacing * stack.frame.normal};

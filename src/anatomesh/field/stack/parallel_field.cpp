@@ -183,39 +183,42 @@ void warn_about_knots(const ContourSet& set, std::uint32_t structure, const Stru
     };
     for (const auto& gap : knots.open_gaps) {
         warn_gap(gap, "W-FLD-001", "slices are missing inside the structure",
-                 "the two sides were not joined; --max-gap joins them");
+                 "the structure ends on both sides of the gap; --max-gap joins them");
     }
     for (const auto& gap : knots.bridged_gaps) {
-        warn_gap(gap, "W-FLD-002", "slices are missing inside the structure", "the gap was bridged");
+        warn_gap(gap, "W-FLD-002", "slices are missing inside the structure",
+                 "the structure was continued through the gap, where its shape is a guess");
     }
     if (!knots.gaps_by_groups.empty()) {
         const auto& first = knots.gaps_by_groups.front();
-        context.warn({"W-FLD-009",
-                      "slices come in pairs or groups, and what is drawn on the next one was joined to each",
-                      {set.source, "", name, "",
-                       std::to_string(knots.gaps_by_groups.size()) + " gaps, the first from " +
-                           text(first.first) + " to " + text(first.second) + " mm along the normal"},
-                      "the gaps were bridged; parts that are apart are to be structures of their own"});
+        context.warn(
+            {"W-FLD-009",
+             "the slices of the structure come in pairs or groups, with wide gaps between the groups",
+             {set.source, "", name, "",
+              std::to_string(knots.gaps_by_groups.size()) + " gaps, the first from " + text(first.first) +
+                  " to " + text(first.second) + " mm along the normal"},
+             "the structure was continued through the gaps; draw separate parts as separate structures"});
     }
     if (set.drawn && !knots.not_drawn.empty()) {
         context.warn({"W-FLD-003",
-                      "not drawn on every slice between its first and its last one",
+                      "the structure is not drawn on every slice between its first and its last one",
                       {set.source, set.slices[knots.not_drawn.front()].name, name, "",
                        std::to_string(knots.not_drawn.size()) + " slices without it"},
-                      "taken as empty there; slices that nobody drew on are left out by --without"});
+                      "these slices were read as empty; leave out undrawn slices with --without"});
     }
     if (set.drawn && !knots.unknown.empty()) {
-        context.warn({"W-FLD-012",
-                      "drawn on slices of its own: others between these draw other structures and not it",
-                      {set.source, set.slices[knots.unknown.front()].name, name, "",
-                       std::to_string(knots.unknown.size()) + " slices without it"},
-                      "taken to say nothing about it: it goes on through them"});
+        context.warn(
+            {"W-FLD-012",
+             "slices between those of the structure draw other structures, but not this one",
+             {set.source, set.slices[knots.unknown.front()].name, name, "",
+              std::to_string(knots.unknown.size()) + " slices without it"},
+             "the structure was continued through them; if it ends there, draw it as two structures"});
     }
     if (knots.flat_island) {
         context.warn({"W-FLD-004",
-                      "a part drawn on one slice alone cannot end flat",
+                      "a part is drawn on a single slice, so that it cannot end flat there",
                       {set.source, "", name, "", ""},
-                      "it got half a slice on both sides"});
+                      "it extends half a slice to both sides"});
     }
 }
 
@@ -317,10 +320,11 @@ void ParallelField::warn_about_jumps(const ContourSet& set, RunContext& context)
         if (jumps == 0) continue;
         const std::string count =
             jumps == 1 ? "1 pair of slices" : std::to_string(jumps) + " pairs of slices";
-        context.warn({"W-FLD-005",
-                      "the regions drawn on neighbouring slices do not overlap",
-                      {set.source, first, structure_text(set.structures[s]), "", count},
-                      "joined where the outline of one is near that of the other and faces the same way"});
+        context.warn(
+            {"W-FLD-005",
+             "the contours of neighbouring slices do not overlap when seen along the normal",
+             {set.source, first, structure_text(set.structures[s]), "", count},
+             "they were joined where the outlines are close and face the same way; check the model there"});
     }
 }
 
@@ -348,14 +352,13 @@ void ParallelField::warn_about_ambiguities(const ContourSet& set, RunContext& co
         std::string value = std::to_string(worst.below) + " outlines and " + std::to_string(worst.above) +
                             " near " + text(at.x) + " " + text(at.y) + " " + text(at.z) + " mm";
         if (places > 1) value += ", the worst of " + std::to_string(places) + " places";
-        context.warn({"W-FLD-010",
-                      "outlines of neighbouring slices overlap several of each other, and are not as many: "
-                      "which becomes which is ambiguous",
-                      {set.source, name(worst_pair.below) + " and " + name(worst_pair.above),
-                       structure_text(set.structures[s]), "", value},
-                      "joined as their overlaps suggest, not every two that overlap; look at the pieces, or "
-                      "draw a slice "
-                      "between the two"});
+        context.warn(
+            {"W-FLD-010",
+             "neighbouring slices have different numbers of contours that overlap each other, so that their "
+             "connection is ambiguous",
+             {set.source, name(worst_pair.below) + " and " + name(worst_pair.above),
+              structure_text(set.structures[s]), "", value},
+             "they were joined by their overlaps; check the model there, or draw a slice between the two"});
     }
 }
 
@@ -416,7 +419,7 @@ Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterv
                      "E-FLD-002",
                      "no contour encloses an area",
                      {set.source, "", "", "", ""},
-                     ""};
+                     "check the contours; each needs three points or more and an area"};
     }
     build_structure_stacks(set, intervals, options, context);
     ANATOMESH_CHECK_STATUS(find_motions(set, context));
@@ -619,9 +622,9 @@ Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourS
     if (spacing <= 0) {
         return Error{ErrorKind::geometry,
                      "E-FLD-003",
-                     "one slice alone has no thickness",
+                     "a single slice has no thickness",
                      {set.source, set.slices.front().name, "", "", ""},
-                     "state it with --slice-thickness"};
+                     "give the thickness with --slice-thickness"};
     }
     std::vector<bool> used(set.structures.size(), false);
     for (const Contour& contour : set.contours) used[contour.structure] = true;

@@ -34,12 +34,12 @@ void warn_about_displaced_slices(const ContourSet& set, RunContext& context) {
         return;
     context.warn(
         {"W-FLD-011",
-         "what is drawn lies aside of what is drawn on the slices before and after, which agree "
-         "without it: slice " +
+         "the contours are displaced from the line between the slices before and after, which agree without "
+         "it: slice " +
              names,
          {set.source, slice, structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
           brief(worst->distance_mm) + " mm"},
-         "kept as drawn: was the slice, or the patient, moved? --without leaves it out"});
+         "kept as drawn; check whether the slice or the patient moved; --without leaves the slice out"});
 }
 
 }  // namespace anatomesh

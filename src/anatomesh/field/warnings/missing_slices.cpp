@@ -41,8 +41,8 @@ void warn(const ContourSet& set, const std::vector<std::pair<double, std::uint32
     context.warn({"W-FLD-001",
                   what,
                   {set.source, set.slices[from].name, "", "", value + set.slices[to].name},
-                  "what is drawn goes on there as far as slices on both sides tell, and ends elsewhere: draw "
-                  "slices there"});
+                  "the structure continues there as far as slices on both sides show it, and ends elsewhere; "
+                  "draw slices there"});
 }
 
 bool warn_about_row(const ContourSet& set, RunContext& context) {

@@ -115,25 +115,25 @@ void warn_about_sparse_planes(const ContourSet& set, const StructureField& field
         if (inside.far_off > most_far_off) {
             context.warn(
                 {"W-FLD-008",
-                 "poorly sampled: much of the structure is far from the planes that it is drawn on, and "
-                 "what is there follows from none of them",
+                 "the structure is poorly sampled: much of it is far from the planes that it is drawn on",
                  {set.source, "", name, "",
-                  brief(100 * inside.far_off) + " % of its volume further than " + brief(far) + " mm from " +
-                      planes},
-                 "kept; its shape and volume may be wrong there: draw planes between"});
+                  brief(100 * inside.far_off) + " % of its volume is further than " + brief(far) +
+                      " mm from " + planes},
+                 "its shape and volume may be wrong there; draw it on planes in between"});
             continue;
         }
         const double as_thick = are_few ? volume_as_thick(set, s) : 0;
         if (inside.volume >= least_thickness * as_thick) continue;
         context.warn({"W-FLD-008",
-                      "poorly sampled: the planes that the structure is drawn on lie so near each other that "
-                      "none tells how far it reaches across them, and it ends close to them",
+                      "the structure is poorly sampled: its planes are so close together that its extent "
+                      "across them is unknown, "
+                      "and it ends close to them",
                       {set.source, "", name, "",
                        brief(inside.volume) + " mm3 round " + planes +
                            "; a body as thick across them as in "
                            "them has about " +
                            brief(as_thick) + " mm3"},
-                      "kept; most of it may be missing: draw planes across"});
+                      "most of it may be missing; draw it on planes that cross these"});
     }
 }
 

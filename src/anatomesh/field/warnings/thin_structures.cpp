@@ -34,10 +34,10 @@ void warn_about_thin_structures(const ContourSet& set, double spacing, RunContex
         const Structure& structure = set.structures[s];
         context.warn(
             {"W-FLD-007",
-             "drawn thinner than its planes are apart, on planes that cross or nearly do",
+             "the structure is thinner than the distance between its planes, which cross or nearly cross",
              {set.source, "", structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
-              brief(thickness) + " mm thick in the mean, planes " + brief(spacing) + " mm apart"},
-             "kept; between the planes it may be torn or missing: draw more planes, or parallel ones"});
+              brief(thickness) + " mm thick on average, planes " + brief(spacing) + " mm apart"},
+             "it may have holes or gaps between the planes; draw it on more planes, or on parallel ones"});
     }
 }
 

@@ -76,9 +76,10 @@ Told told_of(std::span<const TopologyMismatch> tears, const ContourSet& contours
         [&](const TopologyMismatch& x, const TopologyMismatch& y) { return amiss(x) < amiss(y); });
     told.slice = worst.low_slice;
     told.where = worst.low_slice == worst.high_slice
-                     ? "most at the end beyond this slice"
-                     : "most between this slice and " + contours.slices[worst.high_slice].name;
-    told.hint = worst.by_mesh ? "" : "a plane through the place, or ";
+                     ? "most of these places are beyond this slice, at the end of the structure"
+                     : "most of these places are between this slice and slice " +
+                           contours.slices[worst.high_slice].name;
+    told.hint = worst.by_mesh ? "" : "a slice through the place or ";
     return told;
 }
 
@@ -96,8 +97,8 @@ Told told_of(std::span<const SpuriousJoint> joints) {
         *std::max_element(joints.begin(), joints.end(),
                           [](const SpuriousJoint& x, const SpuriousJoint& y) { return x.joints < y.joints; });
     told.slice = worst.slice;
-    told.where = "one of them beside this slice near " + text_of(worst.place) + " mm";
-    told.hint = "a plane through the place, or ";
+    told.where = "one of these places is near this slice at " + text_of(worst.place) + " mm";
+    told.hint = "a slice through the place or ";
     return told;
 }
 
@@ -206,12 +207,13 @@ void warn_of_topology(const TopologyFindings& tears, const ContourSet& contours,
         place.slice = contours.slices[told.slice].name;
         place.value = std::to_string(told.count) + (told.count == 1 ? " place" : " places");
         context.warn({"W-PIP-004",
-                      "the surface is joined otherwise than the contours show, by holes in a thin wall or "
-                      "bridges over a narrow gap; " +
+                      "the surface is connected differently from the contours, by holes in a thin wall or "
+                      "bridges over a narrow "
+                      "gap; " +
                           told.where,
                       place,
-                      "kept; " + told.hint + "--size " + brief(finer * size_mm) +
-                          " may resolve it: look at the components and the genus"});
+                      "kept; check the components and holes of the surface; " + told.hint + "--size " +
+                          brief(finer * size_mm) + " may resolve it"});
     }
 }
 

@@ -40,20 +40,19 @@ std::string beyond_its_contours(const ContourSet& set, const std::vector<Vec3>& 
             }
         }
         if (low > 0 || high < 0)
-            return "if the image of slice " + set.slices[slice].name + " ends " +
-                   brief(std::max(low, -high)) +
-                   " mm from that line, where its contours do, they are no outline there: leave it out "
-                   "(--without \"" +
-                   set.slices[slice].name + "\"); else ";
+            return "the contours of slice " + set.slices[slice].name + " end " + brief(std::max(low, -high)) +
+                   " mm before that line; if its image ends there too, leave the slice out with --without "
+                   "\"" +
+                   set.slices[slice].name + "\"; otherwise ";
     }
     return {};
 }
 
 // Says what a user can do. `culprit`: the slice that is in most of the contradictions.
 std::string ways_out(const ReconcileOptions& options, const std::string& culprit) {
-    return "leave a slice out, first --without \"" + culprit + "\", " +
+    return "leave out a slice, first with --without \"" + culprit + "\", " +
            (options.align ? "" : "shift slices with --align, ") +
-           "raise the bound with --max-disagreement, or keep every vertex with --reconcile 0";
+           "allow more with --max-disagreement, or keep contours as drawn with --reconcile 0";
 }
 
 Place place_of(const ContourSet& set, const WorstPlace& worst) {
@@ -98,11 +97,11 @@ Status check_bound(const ContourSet& set, std::span<const LineComparison> compar
     const double bound = options.max_disagreement_mm;
     if (const std::optional<WorstPlace> worst = worst_pair(set, comparisons, bound))
         return contradiction(set, *worst, options,
-                             " in the median of the region ends where their planes cross, more than ",
-                             " such pairs, most of them with slice ");
+                             " in the median where their planes cross, and the limit is ",
+                             " such pairs of slices exist, most with slice ");
     if (const std::optional<WorstPlace> worst = worst_place(set, comparisons, bound))
-        return contradiction(set, *worst, options, " where their planes cross, more than ",
-                             " such places, most of them in slice ");
+        return contradiction(set, *worst, options, " where their planes cross, and the limit is ",
+                             " such places exist, most in slice ");
     return Nothing{};
 }
 
@@ -141,10 +140,9 @@ Status check_what_is_left(const ContourSet& set, const OriginalPositions& drawn,
     worst.culprit = static_cast<std::uint32_t>(most);
     return Error{ErrorKind::geometry, "E-RCN-003",
                  names_of(set, worst.a, worst.b) + " still differ along " + brief(worst.distance_mm) +
-                     " mm of the line where their planes cross when contours have moved by as much as they "
-                     "may, " +
-                     brief(bound) + " mm; " + std::to_string(worst.places) +
-                     " such pairs, most of them with slice " + set.slices[worst.culprit].name,
+                     " mm of the line where their planes cross, after contours moved by the allowed " +
+                     brief(bound) + " mm; there are " + std::to_string(worst.places) +
+                     " such pairs, most with slice " + set.slices[worst.culprit].name,
                  place_of(set, worst),
                  beyond_its_contours(set, drawn.at, worst.a, worst.b) +
                      ways_out(options, set.slices[worst.culprit].name)};

@@ -71,17 +71,16 @@ class ReconcileWarnings {
                          [](const IsolatedSlice& p, const IsolatedSlice& q) { return p.others > q.others; });
         for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
             const IsolatedSlice& isolated = named[n];
-            context_.warn({"W-RCN-008",
-                           "the slice has nothing in common with the " + std::to_string(isolated.others) +
-                               (isolated.others == 1 ? " slice" : " slices") +
-                               " that draw the same structure where their planes cross, but elsewhere; "
-                               "the nearest is slice " +
-                               set_.slices[isolated.nearest].name + ": is it in its place?" +
-                               (named.size() > most_named_pairs && n == 0
-                                    ? "; " + std::to_string(named.size()) + " such slices"
-                                    : ""),
-                           place_of_slice(set_, isolated.slice, isolated.gap_mm),
-                           "kept, as a part by itself"});
+            context_.warn(
+                {"W-RCN-008",
+                 "the slice draws the structure elsewhere than the " + std::to_string(isolated.others) +
+                     (isolated.others == 1 ? " slice" : " slices") +
+                     " that it crosses; the nearest is slice " + set_.slices[isolated.nearest].name +
+                     (named.size() > most_named_pairs && n == 0
+                          ? "; " + std::to_string(named.size()) + " such slices"
+                          : ""),
+                 place_of_slice(set_, isolated.slice, isolated.gap_mm),
+                 "kept as a separate part; check the position of the slice"});
         }
     }
 
@@ -96,11 +95,13 @@ class ReconcileWarnings {
             place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
             context_.warn({"W-RCN-007",
                            "the structure is not drawn on this slice, but slice " +
-                               set_.slices[named[n].shown_by].name + " has it where their planes cross" +
+                               set_.slices[named[n].shown_by].name + " shows it where their planes cross" +
                                (named.size() > most_named_pairs && n == 0
                                     ? "; " + std::to_string(named.size()) + " such slices and structures"
                                     : ""),
-                           std::move(place), "the slice says nothing of the structure"});
+                           std::move(place),
+                           "the slice was not used for the structure; draw it there, or leave the slice out "
+                           "with --without"});
         }
     }
 
@@ -113,9 +114,9 @@ class ReconcileWarnings {
         context_.warn({"W-RCN-006",
                        counted(folds.folds, "narrow fold") + " and " + counted(folds.spikes, "spike") +
                            ", up to " + brief(folds.highest_mm) +
-                           " mm high, came about as contours were moved",
+                           " mm high, arose where contours were moved to agree",
                        {set_.source, "", "", "", ""},
-                       "cut off, with " + std::to_string(folds.vertices) + " drawn vertices"});
+                       "they were cut off, with " + std::to_string(folds.vertices) + " drawn vertices"});
     }
 
     void warn_of_poles() {
@@ -123,24 +124,24 @@ class ReconcileWarnings {
         const AlongAxisStats& flanks = stats_.flanks;
         if (poles.poles + flanks.points == 0) return;
         const double highest = std::max(poles.highest_mm, flanks.farthest_mm);
-        context_.warn(
-            {"W-RCN-009",
-             "contours rise and fall from plane to plane beside a line in which four planes or more "
-             "meet, or run steeply along it, at " +
-                 std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places") + " on it and " +
-                 std::to_string(flanks.points) + (flanks.points == 1 ? " point" : " points") + " along it",
-             {set_.source, "", "", "", brief(highest) + " mm"},
-             "turned and moved there, by " + brief(highest) + " mm at most"});
+        context_.warn({"W-RCN-009",
+                       "contours differ from plane to plane near a line where four or more planes meet, or "
+                       "run steeply along it, at " +
+                           std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places") +
+                           " on it and " + std::to_string(flanks.points) +
+                           (flanks.points == 1 ? " point" : " points") + " beside it",
+                       {set_.source, "", "", "", brief(highest) + " mm"},
+                       "they were turned and moved there, by " + brief(highest) + " mm at most"});
     }
 
     void warn_of_parting() {
         const ClearanceStats& apart = stats_.clearance;
         if (apart.places == 0) return;
         context_.warn({"W-RCN-013",
-                       "contours came to touch each other but for a hair as they were moved, at " +
+                       "contours that were moved to agree nearly touch each other, at " +
                            std::to_string(apart.places) + (apart.places == 1 ? " place" : " places"),
                        {set_.source, "", "", "", brief(apart.farthest_mm) + " mm"},
-                       "taken apart, by " + brief(apart.farthest_mm) + " mm at most"});
+                       "they were moved apart, by " + brief(apart.farthest_mm) + " mm at most"});
     }
 
     void warn_of_taken_over() {
@@ -154,12 +155,14 @@ class ReconcileWarnings {
             place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
             context_.warn(
                 {"W-RCN-010",
-                 "most of the slices through a line in which planes meet have the structure there "
-                 "otherwise: this one does not reach the line, or goes on over it" +
+                 "the slice contradicts most slices that meet it in one line: its contour ends before the "
+                 "line, or "
+                 "continues beyond it" +
                      std::string(named.size() > most_named_pairs && n == 0
                                      ? "; " + std::to_string(named.size()) + " such slices and structures"
                                      : ""),
-                 std::move(place), "its contour was taken over the line, as the others have it"});
+                 std::move(place),
+                 "its contour was moved across the line to agree with the others; check this slice"});
         }
     }
 
@@ -177,17 +180,18 @@ class ReconcileWarnings {
             Place place = place_of_slice(set_, piece.slice, piece.farthest_mm);
             const Structure& structure = set_.structures[piece.structure];
             place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
-            context_.warn(
-                {"W-RCN-012",
-                 "the slice contradicts slice " + set_.slices[piece.other].name + " on " +
-                     brief(piece.length_mm) + " mm of their common line, and moving contours did not help" +
-                     (named.size() > most_named_pairs && n == 0
-                          ? "; " + std::to_string(named.size()) + " such places"
-                          : ""),
-                 std::move(place),
-                 std::string("its contours were changed there by up to ") + brief(piece.farthest_mm) +
-                     " mm, so that the structure " + (piece.inside ? "has" : "does not have") +
-                     " the place, as on the other slice"});
+            context_.warn({"W-RCN-012",
+                           "the slice contradicts slice " + set_.slices[piece.other].name + " on " +
+                               brief(piece.length_mm) +
+                               " mm of their common line, and moving contours did not resolve it" +
+                               (named.size() > most_named_pairs && n == 0
+                                    ? "; " + std::to_string(named.size()) + " such places"
+                                    : ""),
+                           std::move(place),
+                           std::string("its contours were changed there by up to ") +
+                               brief(piece.farthest_mm) + " mm, so that this place is " +
+                               (piece.inside ? "inside" : "outside") +
+                               " the structure, as on the other slice; check both slices"});
         }
     }
 
@@ -196,16 +200,15 @@ class ReconcileWarnings {
         if (slivers.contours_changed + shared.contours_changed == 0) return;
         const bool wider = slivers.widest_mm > shared.widest_mm;
         const ConflationStats& worst = wider ? slivers : shared;
-        context_.warn(
-            {"W-RCN-011",
-             "contours of neighbouring structures came to lie beside each other as they were moved: "
-             "slivers of " +
-                 brief(slivers.area_mm2) + " mm2 between them on " + std::to_string(slivers.slices) +
-                 (slivers.slices == 1 ? " slice" : " slices") + ", and lines " + brief(shared.widest_mm) +
-                 " mm apart on " + std::to_string(shared.slices),
-             place_of_slice(set_, worst.worst_slice, worst.widest_mm),
-             "closed, both led through each other's vertices there; --close-slivers 0 and "
-             "--same-line 0 keep them"});
+        context_.warn({"W-RCN-011",
+                       "contours of neighbouring structures that were moved to agree are very close: gaps "
+                       "and overlaps of " +
+                           brief(slivers.area_mm2) + " mm2 on " + std::to_string(slivers.slices) +
+                           (slivers.slices == 1 ? " slice" : " slices") + ", and lines " +
+                           brief(shared.widest_mm) + " mm apart on " + std::to_string(shared.slices),
+                       place_of_slice(set_, worst.worst_slice, worst.widest_mm),
+                       "these structures share their boundary there; --close-slivers 0 and --same-line 0 "
+                       "keep the contours apart"});
     }
 
     void warn_of_shifts() {
@@ -224,11 +227,12 @@ class ReconcileWarnings {
         }
         context_.warn({"W-RCN-001",
                        std::to_string(shifted) + " of " + std::to_string(stats_.movements.size()) +
-                           " slices agree better with those that they cross when they are " +
-                           "shifted in their planes, by " + brief(sum / shifted) +
-                           " mm in the mean and most in slice " + set_.slices[worst].name +
-                           "; the others by " + brief(others) + " mm at most",
-                       place_of_slice(set_, worst, length(stats_.movements[worst].shift)), "shifted"});
+                           " slices agree better with the slices that they cross after a shift within their "
+                           "planes, by " +
+                           brief(sum / shifted) + " mm on average and most in slice " +
+                           set_.slices[worst].name + "; the others by " + brief(others) + " mm at most",
+                       place_of_slice(set_, worst, length(stats_.movements[worst].shift)),
+                       "they were shifted"});
     }
 
     // Names slices that disagree with the others far more than these among themselves. As a rule a tracker
@@ -246,9 +250,8 @@ class ReconcileWarnings {
             const auto middle = figures.begin() + static_cast<std::ptrdiff_t>(figures.size() / 2);
             std::nth_element(figures.begin(), middle, figures.end());
             if (*middle <= std::max(outlier_mm, outlier_factor * stats_.median_mm)) continue;
-            context_.warn({"W-RCN-005",
-                           "the slice disagrees with most of those that it crosses: is it in its place?",
-                           place_of_slice(set_, s, *middle), "kept"});
+            context_.warn({"W-RCN-005", "the slice disagrees with most of the slices that it crosses",
+                           place_of_slice(set_, s, *middle), "kept; check the position of the slice"});
         }
     }
 
@@ -257,13 +260,13 @@ class ReconcileWarnings {
         std::string done = "kept as drawn";
         if (options_.reconcile) {
             done = "contours moved in their planes by " + brief(stats_.mean_movement_mm) +
-                   " mm in the mean and " + brief(stats_.max_movement_mm) + " mm at most";
+                   " mm on average and " + brief(stats_.max_movement_mm) + " mm at most";
         }
         context_.warn({"W-RCN-002",
-                       "slices disagree where their planes cross: region ends differ by " +
-                           brief(stats_.median_mm) + " mm in the median, " + brief(stats_.p95_mm) +
+                       "slices disagree where their planes cross: their contours meet the common line " +
+                           brief(stats_.median_mm) + " mm apart in the median, " + brief(stats_.p95_mm) +
                            " mm at 95 % and " + brief(stats_.max_mm) + " mm at most; " +
-                           std::to_string(stats_.unmatched) + " intervals or gaps are in one slice only",
+                           std::to_string(stats_.unmatched) + " stretches or gaps are on one slice only",
                        {set_.source, "", "", "",
                         brief(stats_.difference_mm) + " mm on " + std::to_string(stats_.pairs.size()) +
                             " common lines"},
@@ -280,10 +283,10 @@ class ReconcileWarnings {
             context_.warn({"W-RCN-003",
                            names_of(set_, pair.slice_a, pair.slice_b) +
                                " disagree where their planes cross: " + std::to_string(pair.ends) +
-                               " region ends by up to " + brief(pair.max_mm) + " mm, " +
-                               std::to_string(pair.unmatched) + " intervals or gaps in one of them only",
+                               " points of their contours by up to " + brief(pair.max_mm) + " mm, " +
+                               std::to_string(pair.unmatched) + " stretches or gaps on one of them only",
                            place_of_slice(set_, pair.slice_a, pair.difference_mm),
-                           options_.reconcile ? "moved" : "kept as drawn"});
+                           options_.reconcile ? "their contours were moved to agree" : "kept as drawn"});
         }
     }
 
@@ -297,13 +300,12 @@ class ReconcileWarnings {
             worst += (n > 0 ? "; " : "") + names_of(set_, left[n]->slice_a, left[n]->slice_b) + " " +
                      brief(left[n]->difference_after_mm) + " mm";
         }
-        context_.warn({"W-RCN-004",
-                       std::to_string(left.size()) +
-                           " pairs of slices could not be made to agree everywhere on their common "
-                           "line: " +
-                           worst,
-                       {set_.source, "", "", "", brief(stats_.difference_after_mm) + " mm"},
-                       "left; where they cross, the contour nearest to a point counts"});
+        context_.warn(
+            {"W-RCN-004",
+             std::to_string(left.size()) +
+                 " pairs of slices could not be made to agree everywhere on their common line: " + worst,
+             {set_.source, "", "", "", brief(stats_.difference_after_mm) + " mm"},
+             "kept; near the line the surface follows the nearest contour"});
     }
 
     const ContourSet& set_;
