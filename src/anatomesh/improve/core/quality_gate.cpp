@@ -77,21 +77,21 @@ std::vector<std::uint32_t> QualityGate::those_above_bound(std::vector<std::uint3
 QualityBudget::QualityBudget(EditContext& edit, const DrawnSlices& drawn, double least_sine)
     : gate_(edit, drawn, least_sine) {
     std::vector<std::uint32_t> all = edit.mesh.alive_cells();
-    const auto inside =
-        std::count_if(all.begin(), all.end(), [&](std::uint32_t c) { return edit.mesh.region(c) != 0; });
-    most_above_ = static_cast<std::size_t>(most_above_bound * static_cast<double>(inside));
+    inside_ = static_cast<std::size_t>(
+        std::count_if(all.begin(), all.end(), [&](std::uint32_t c) { return edit.mesh.region(c) != 0; }));
+    most_above_ = static_cast<std::size_t>(most_above_bound * static_cast<double>(inside_));
     above_bound_ = gate_.those_above_bound(std::move(all));
 }
 
-bool QualityBudget::allow(std::span<const std::uint32_t> changed, double most_mm) {
+std::optional<std::size_t> QualityBudget::growth(std::span<const std::uint32_t> changed, double most_mm) {
     if (!std::all_of(changed.begin(), changed.end(),
                      [&](std::uint32_t c) { return gate_.is_good(c) && gate_.is_near(c, most_mm); }))
-        return false;
+        return std::nullopt;
     std::vector<std::uint32_t> cells = above_bound_;
     cells.insert(cells.end(), changed.begin(), changed.end());
     sort_distinct(cells);
     above_after_ = gate_.those_above_bound(std::move(cells));
-    return above_after_.size() <= std::max(above_bound_.size(), most_above_);
+    return above_after_.size() - std::min(above_after_.size(), above_bound_.size());
 }
 
 }  // namespace anatomesh

@@ -1,9 +1,11 @@
 // QualityGate: whether cells that a change at the end made are good enough to stay.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -49,24 +51,24 @@ class QualityGate {
     double least_sine_;
 };
 
-// Whether what changes made of the cells may stay, by all shapes there are.
+// How many cells inside are above the edit context's first bound, kept up to date while changes are made.
 class QualityBudget {
   public:
     // As QualityGate. O(cells)
     QualityBudget(EditContext& edit, const DrawnSlices& drawn, double least_sine);
 
-    // Whether the cells that a change made or reshaped are good and near (QualityGate), and no more cells
-    // above the edit context's first bound than before, or than 0.3 % of those inside at first.
-    bool allow(std::span<const std::uint32_t> changed) { return allow(changed, gate_.spike_mm()); }
-    // Near is what lies within that of the field's, mm.
-    bool allow(std::span<const std::uint32_t> changed, double most_mm);
-    double farthest_of(std::span<const std::uint32_t> cells) { return gate_.farthest_of(cells); }
-    // The change that was allowed last stays.
+    // By how many such cells a change adds; nothing where a cell that it made or reshaped is not good, or not
+    // within `most_mm` of the field's surfaces (QualityGate).
+    std::optional<std::size_t> growth(std::span<const std::uint32_t> changed, double most_mm);
+    // By how many they may grow: to 0.3 % of the cells that were inside at first.
+    std::size_t allowance() const { return most_above_ - std::min(most_above_, above_bound_.size()); }
+    // The change that growth() was asked about last stays.
     void keep() { above_bound_ = std::move(above_after_); }
+    std::size_t cells_inside() const { return inside_; }  // at first
 
   private:
     QualityGate gate_;
-    std::size_t most_above_ = 0;
+    std::size_t inside_ = 0, most_above_ = 0;
     std::vector<std::uint32_t> above_bound_, above_after_;  // cells; rising
 };
 

@@ -370,7 +370,7 @@ TEST(RecoverOnSurface, an_edge_from_surface_to_surface_is_recovered_whatever_cel
 TEST(RecoverOnSurface, a_membrane_has_vertices_within_it) {
     std::size_t within = 0, tried = 0;
     for_edges(random_ball(1), 3, [&](Bricks bricks, VertexPair edge) {
-        const auto [a, b] = edge;
+        const std::uint32_t a = edge[0], b = edge[1];
         const std::vector<std::uint32_t> at_a = bricks.joined_on_surface(a),
                                          at_b = bricks.joined_on_surface(b);
         std::vector<std::uint32_t> both;

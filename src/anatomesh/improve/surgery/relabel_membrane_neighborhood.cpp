@@ -18,36 +18,33 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double middle = 0.5;  // where an edge between two vertices of a membrane is cut
+constexpr double middle = 0.5;  // where an edge between two vertices of a membrane is cut [1; 0 to 1; D]
 
 class MembraneNeighborhood {
   public:
-    MembraneNeighborhood(EditContext& edit, const ContourOwners& owners, const Chain& chain,
-                         const Membrane& membrane, Region own, MembraneReach reach,
-                         const MembraneAcross* across)
+    MembraneNeighborhood(EditContext& edit, const ContourOwners& owners,
+                         const MembraneRelabelling& relabelling)
         : edit_(edit),
           owners_(owners),
-          chain_(chain),
-          membrane_(membrane),
-          own_(own),
-          side_(edit.table->contains(own, chain.structure)),
-          reach_(reach),
-          across_(across),
+          given_(relabelling),
+          side_(edit.table->contains(relabelling.own, relabelling.chain.structure)),
           incidence_(edit),
-          on_membrane_(membrane.vertices()),
+          on_membrane_(relabelling.membrane.vertices()),
           first_new_(static_cast<std::uint32_t>(edit.mesh.point_count())) {}
 
-    std::optional<RelabelledNeighborhood> run(double thickness, SectionAreas* areas) {
+    std::optional<RelabelledNeighborhood> run(SectionAreas* areas) {
         find_cells();
-        if (!cut_edges(thickness)) return std::nullopt;
+        if (!cut_edges()) return std::nullopt;
         std::vector<std::uint32_t> relabelled = cells_between_cuts();
-        const std::optional<Region> to = across_ && across_->to ? across_->to : region_across(relabelled);
-        if (!to || relabelled.empty() || !leave_one_part(relabelled, *to, thickness)) return std::nullopt;
-        if (across_) {
-            auto joined = resolve_pinches(edit_,
-                                          {chain_.structure, own_, *to, reach_ == MembraneReach::others,
-                                           thickness, on_membrane_, first_new_},
-                                          std::move(relabelled));
+        const std::optional<Region> to =
+            given_.across && given_.across->to ? given_.across->to : region_across(relabelled);
+        if (!to || relabelled.empty() || !leave_one_part(relabelled, *to)) return std::nullopt;
+        if (given_.across) {
+            auto joined =
+                resolve_pinches(edit_,
+                                {structure(), given_.own, *to, given_.reach == MembraneReach::others,
+                                 given_.thickness, on_membrane_, first_new_},
+                                std::move(relabelled));
             if (!joined) return std::nullopt;
             relabelled = std::move(*joined);
         }
@@ -59,23 +56,25 @@ class MembraneNeighborhood {
         if (areas) made_.wrong_of_cuts += areas->wrong(relabelled);
         const SurfaceCount::Figures after = count.figures();
         const bool sound = after.excess == 0 && may_become(count, before, after) && count.newly_lost() == 0 &&
-                           incidence_.on_surface(chain_.vertices, chain_.structure);
+                           incidence_.on_surface(given_.chain.vertices, structure());
         return sound ? std::optional(std::move(made_)) : std::nullopt;
     }
 
   private:
+    std::uint32_t structure() const { return given_.chain.structure; }
+
     // A subsegment of the structure on the membrane's rim: of the chain, or of a contour that the surface has
     // already; or, there, of an edge of a contour that was cut since the owners were made. The context has
     // the edge's ring.
     bool is_rim_subsegment(std::uint32_t a, std::uint32_t b) const {
-        if (!membrane_.has_on_rim(a, b)) return false;
+        if (!given_.membrane.has_on_rim(a, b)) return false;
         bool known = false;
         for (const ContourOwners::Subsegment& subsegment : owners_.subsegments_at(a)) {
             if (subsegment.other != b) continue;
-            if (subsegment.structure == chain_.structure) return true;
+            if (subsegment.structure == structure()) return true;
             known = true;
         }
-        return !known && edit_.constraints.fixed_edge(a, b) && incidence_.ring_is_mixed(chain_.structure);
+        return !known && edit_.constraints.fixed_edge(a, b) && incidence_.ring_is_mixed(structure());
     }
 
     bool may_become(const SurfaceCount& count, const SurfaceCount::Figures& before,
@@ -83,20 +82,20 @@ class MembraneNeighborhood {
         const std::span<const int> was = count.of_structures(before), is = count.of_structures(after);
         for (std::size_t n = 0; n < was.size(); ++n) {
             if (is[n] == was[n]) continue;
-            const bool of_chain = count.structures()[n] == chain_.structure;
-            const bool both = across_ && across_->sides == MembraneSides::both;
+            const bool of_chain = count.structures()[n] == structure();
+            const bool both = given_.across && given_.across->sides == MembraneSides::both;
             if (both && of_chain && is[n] == was[n] - 2) {
                 made_.joins = true;
                 continue;
             }
-            if (!across_ || (both && !of_chain) || is[n] != was[n] + 2) return false;
+            if (!given_.across || (both && !of_chain) || is[n] != was[n] + 2) return false;
             made_.parted.push_back(count.structures()[n]);
         }
         return true;
     }
 
     // Those of other regions stay, for the sake of the surfaces of other structures.
-    bool may_go(std::uint32_t c) const { return edit_.mesh.region(c) == own_; }
+    bool may_go(std::uint32_t c) const { return edit_.mesh.region(c) == given_.own; }
 
     bool is_on(std::uint32_t v) const {
         return std::binary_search(on_membrane_.begin(), on_membrane_.end(), v);
@@ -104,13 +103,13 @@ class MembraneNeighborhood {
 
     // Those that may go, and their edges that leave the membrane.
     void find_cells() {
-        const bool both = !across_ || across_->sides == MembraneSides::both;
+        const bool both = !given_.across || given_.across->sides == MembraneSides::both;
         for (const std::uint32_t c : both ? cells_at_edges() : cells_on_side()) {
             const Cell& cell = edit_.mesh.cell(c);
             cells_.push_back(CellSnapshot::of(edit_.mesh, c));
             for (const std::uint32_t d : cell) {
                 for (const std::uint32_t x : cell) {
-                    if (is_on(d) && (!is_on(x) || (d < x && !membrane_.has_edge(d, x))))
+                    if (is_on(d) && (!is_on(x) || (d < x && !given_.membrane.has_edge(d, x))))
                         edges_.push_back({d, x});
                 }
             }
@@ -121,12 +120,12 @@ class MembraneNeighborhood {
     // Those with an edge of the membrane that is no subsegment of its rim.
     std::vector<std::uint32_t> cells_at_edges() {
         std::vector<std::uint32_t> cells;
-        for (const auto& facet : membrane_.facets) {
+        for (const auto& facet : given_.membrane.facets) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = facet[k], b = facet[(k + 1) % 3];
                 if (!incidence_.find_ring(a, b)) continue;
                 if (is_rim_subsegment(a, b)) {
-                    if (across_) add_beside(facet[(k + 2) % 3], cells);
+                    if (given_.across) add_beside(facet[(k + 2) % 3], cells);
                     continue;
                 }
                 std::copy_if(edit_.ring.cells.begin(), edit_.ring.cells.end(), std::back_inserter(cells),
@@ -141,7 +140,8 @@ class MembraneNeighborhood {
     // where that leads round it.
     std::vector<std::uint32_t> cells_on_side() {
         std::vector<std::uint32_t> ends;
-        const auto& [a, b, w] = membrane_.facets.front();
+        const std::array<std::uint32_t, 3>& start = given_.membrane.facets.front();
+        const std::uint32_t a = start[0], b = start[1], w = start[2];
         if (!incidence_.find_ring(a, b)) return {};
         std::copy_if(edit_.ring.cells.begin(), edit_.ring.cells.end(), std::back_inserter(ends),
                      [&](std::uint32_t c) {
@@ -150,7 +150,7 @@ class MembraneNeighborhood {
                      });
         if (ends.size() != 2) return {};
         const auto [low, high] = std::minmax(ends[0], ends[1]);
-        const bool first = across_->sides == MembraneSides::first;
+        const bool first = given_.across->sides == MembraneSides::first;
         std::vector<std::uint32_t> cells{first ? low : high};
         std::set<std::uint32_t> known{cells[0]};
         for (std::size_t n = 0; n < cells.size(); ++n) {
@@ -163,7 +163,8 @@ class MembraneNeighborhood {
                 if (std::none_of(facet.begin(), facet.end(), [&](std::uint32_t v) { return is_on(v); }))
                     continue;
                 std::sort(facet.begin(), facet.end());
-                if (std::binary_search(membrane_.facets.begin(), membrane_.facets.end(), facet)) continue;
+                if (std::binary_search(given_.membrane.facets.begin(), given_.membrane.facets.end(), facet))
+                    continue;
                 if (known.insert(next).second) cells.push_back(next);
             }
         }
@@ -180,7 +181,7 @@ class MembraneNeighborhood {
             std::find(ring.ring.begin(), ring.ring.end(), membrane_vertex) - ring.ring.begin());
         if (at == count) return;
         const Vec3 from = edit_.mesh.point(ring.a);
-        const Vec3 in = cross(across_->normal, edit_.mesh.point(ring.b) - from);
+        const Vec3 in = cross(given_.across->normal, edit_.mesh.point(ring.b) - from);
         const double inward = dot(in, edit_.mesh.point(membrane_vertex) - from);
         for (const bool onward : {true, false}) {
             std::vector<std::uint32_t> part;
@@ -189,7 +190,7 @@ class MembraneNeighborhood {
                 const std::size_t i = onward ? (at + n) % count : (at + 2 * count - 1 - n) % count;
                 const std::uint32_t c = ring.cells[i];
                 if (!may_go(c)) {
-                    if (incidence_.has(c, chain_.structure) != side_)
+                    if (incidence_.has(c, structure()) != side_)
                         cells.insert(cells.end(), part.begin(), part.end());
                     break;
                 }
@@ -197,7 +198,7 @@ class MembraneNeighborhood {
                 // Beyond the subsegment, where the next vertex is on the other side of the plane than those
                 // before.
                 const Vec3 next = edit_.mesh.point(ring.ring[onward ? (i + 1) % count : i]) - from;
-                const double height = dot(across_->normal, next);
+                const double height = dot(given_.across->normal, next);
                 if (n > 0 && (height > 0) != over) break;
                 over = height > 0;
                 if (height == 0 && dot(in, next) * inward < 0) break;
@@ -206,16 +207,16 @@ class MembraneNeighborhood {
     }
 
     // But for those on the surface. False where a cell would not be positive.
-    bool cut_edges(double thickness) {
+    bool cut_edges() {
         for (const auto& [d, x] : edges_) {
             if (!incidence_.find_ring(d, x)) return false;
-            if (incidence_.ring_is_mixed(chain_.structure) &&
-                (reach_ < MembraneReach::near || edit_.constraints.fixed_edge(d, x))) {
+            if (incidence_.ring_is_mixed(structure()) &&
+                (given_.reach < MembraneReach::near || edit_.constraints.fixed_edge(d, x))) {
                 if (!is_on(x)) beside_.push_back(x);
                 continue;
             }
             cut_.push_back({d, x});
-            if (!cut(d, x, is_on(x) ? middle : thickness)) return false;
+            if (!cut(d, x, is_on(x) ? middle : given_.thickness)) return false;
         }
         sort_distinct(beside_);
         return true;
@@ -244,7 +245,7 @@ class MembraneNeighborhood {
     // Where what is relabelled parts the cells left of the chain's region at a vertex of the membrane - on
     // its rim, between cells that have no edge of it -, one part stays there; near the vertex the others are
     // relabelled too. False where a cell would not be positive.
-    bool leave_one_part(std::vector<std::uint32_t>& relabelled, Region to, double thickness) {
+    bool leave_one_part(std::vector<std::uint32_t>& relabelled, Region to) {
         std::vector<Region> before;
         const auto relabel = [&](std::uint32_t c) {
             before.push_back(edit_.mesh.region(c));
@@ -257,7 +258,7 @@ class MembraneNeighborhood {
             made_.parts_cells = true;
             const auto stays = worthiest_at(edit_, v, parts);
             for (auto part = parts.begin(); part != parts.end(); ++part) {
-                if (part != stays && !cut_near(v, *part, thickness)) return false;
+                if (part != stays && !cut_near(v, *part)) return false;
             }
             for (const auto& part : star_components(edit_, v, [&](std::uint32_t c) { return may_go(c); })) {
                 if (std::find(part.begin(), part.end(), stays->front()) != part.end()) continue;
@@ -270,7 +271,7 @@ class MembraneNeighborhood {
     }
 
     // Of the edges from the vertex those within the cells.
-    bool cut_near(std::uint32_t v, const std::vector<std::uint32_t>& cells, double thickness) {
+    bool cut_near(std::uint32_t v, const std::vector<std::uint32_t>& cells) {
         std::vector<std::uint32_t> ends;
         for (const std::uint32_t c : cells)
             ends.insert(ends.end(), edit_.mesh.cell(c).begin(), edit_.mesh.cell(c).end());
@@ -278,7 +279,7 @@ class MembraneNeighborhood {
         std::erase(ends, v);
         return std::all_of(ends.begin(), ends.end(), [&](std::uint32_t x) {
             return incidence_.find_ring(v, x) &&
-                   (incidence_.ring_is_mixed(chain_.structure) || cut(v, x, thickness));
+                   (incidence_.ring_is_mixed(structure()) || cut(v, x, given_.thickness));
         });
     }
 
@@ -306,7 +307,7 @@ class MembraneNeighborhood {
     // Whether what is relabelled reaches to a vertex beside the membrane.
     bool stays(const CellSnapshot& was, std::uint32_t v) const {
         if (!std::binary_search(beside_.begin(), beside_.end(), v)) return false;
-        return reach_ != MembraneReach::joined ||
+        return given_.reach != MembraneReach::joined ||
                std::none_of(was.cell.begin(), was.cell.end(), [&](std::uint32_t d) {
                    return is_on(d) && std::binary_search(cut_.begin(), cut_.end(), std::array{d, v});
                });
@@ -317,10 +318,10 @@ class MembraneNeighborhood {
         if (relabelled.empty()) return std::nullopt;
         const std::vector<std::uint32_t>& here = edit_.table->members[edit_.mesh.region(relabelled.front())];
         std::optional<std::pair<std::size_t, Region>> best;
-        for (const std::uint32_t end : {chain_.vertices.front(), chain_.vertices.back()}) {
+        for (const std::uint32_t end : {given_.chain.vertices.front(), given_.chain.vertices.back()}) {
             edit_.mesh.star(end, edit_.star);
             for (const std::uint32_t c : edit_.star) {
-                if (incidence_.has(c, chain_.structure) == side_) continue;
+                if (incidence_.has(c, structure()) == side_) continue;
                 const std::vector<std::uint32_t>& there = edit_.table->members[edit_.mesh.region(c)];
                 std::vector<std::uint32_t> differ;
                 std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
@@ -335,12 +336,8 @@ class MembraneNeighborhood {
 
     EditContext& edit_;
     const ContourOwners& owners_;
-    const Chain& chain_;
-    const Membrane& membrane_;
-    Region own_;
-    bool side_;
-    MembraneReach reach_;
-    const MembraneAcross* across_;
+    const MembraneRelabelling& given_;
+    bool side_;  // of the structure, on which the chain lies
     SurfaceIncidence incidence_;
     std::vector<std::uint32_t> on_membrane_, beside_;        // vertices
     std::vector<std::array<std::uint32_t, 2>> edges_, cut_;  // from a vertex of the membrane on
@@ -351,10 +348,11 @@ class MembraneNeighborhood {
 
 }  // namespace
 
-std::optional<RelabelledNeighborhood> relabel_membrane_neighborhood(
-    EditContext& edit, const ContourOwners& owners, const Chain& chain, const Membrane& membrane, Region own,
-    MembraneReach reach, double thickness, SectionAreas* areas, const MembraneAcross* across) {
-    return MembraneNeighborhood(edit, owners, chain, membrane, own, reach, across).run(thickness, areas);
+std::optional<RelabelledNeighborhood> relabel_membrane_neighborhood(EditContext& edit,
+                                                                    const ContourOwners& owners,
+                                                                    const MembraneRelabelling& relabelling,
+                                                                    SectionAreas* areas) {
+    return MembraneNeighborhood(edit, owners, relabelling).run(areas);
 }
 
 }  // namespace anatomesh

@@ -16,13 +16,19 @@ namespace anatomesh {
 
 namespace {
 
-// Length of the sum of a vertex's facet normals, as a share of the sum of their lengths.
+// Length of the sum of a vertex's facet normals, as a share of the sum of their lengths: a vertex above it
+// is no spike. [1; 0 to 1; M 2026-11, set not recorded]
 constexpr double flat_enough = 0.93;
-// Of the way from the apex to the base.
+// Places that are tried, as shares of the way from the apex to the base. [1; 0 to 1; M 2026-11, set not
+// recorded]
 constexpr std::array<double, 7> shares{0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3};
-constexpr double inwards = 0.25;  // of the way to the base: where the field is asked what should be there
-constexpr double gain = 0.75;     // of the distance from the field's surface
-constexpr int most_times = 3;     // a new vertex may be an apex again
+// Share of the way to the base: there the field is asked what should take the place. [1; 0 to 1; M 2026-11,
+// set not recorded]
+constexpr double inwards = 0.25;
+// Share of the apex's distance from the field's surface that the new vertex may have. [1; 0 to 1; M 2026-11,
+// set not recorded]
+constexpr double gain = 0.75;
+constexpr int most_times = 3;  // a new vertex may be an apex again [passes; > 0; B]
 
 using Rim = std::vector<std::array<std::uint32_t, 2>>;
 

@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <map>
 #include <optional>
 #include <set>
 #include <span>
 #include <utility>
 
-#include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/sections/section_areas.h"
-#include "anatomesh/improve/surgery/relabel_membrane_neighborhood.h"
+#include "anatomesh/improve/surgery/membrane_surgery.h"
 #include "anatomesh/improve/surgery/spanning_membranes.h"
 #include "anatomesh/mesh/check/topology.h"
 
@@ -20,9 +18,10 @@ namespace anatomesh {
 
 namespace {
 
-// Membranes and thicknesses whose cells are worked on in vain.
+// Attempts whose cells are improved in vain. [attempts; > 0; B]
 constexpr std::size_t most_closed_in_vain = 60;
-constexpr std::size_t most_handles = 200;  // where more are found, cells do not fit the contours
+constexpr std::size_t most_handles =
+    200;  // where more are found, cells do not fit the contours [handles; > 0; B]
 constexpr std::array handle_reaches{MembraneReach::near, MembraneReach::joined, MembraneReach::wide};
 
 // What lies on the two sides of loops of edges on a closed oriented surface.
@@ -96,13 +95,9 @@ class HandleRemoval {
   public:
     HandleRemoval(EditContext& edit, const DrawnSlices& drawn, double reach_mm, double least_sine,
                   const ImproveCells& improve, const RunContext& context)
-        : edit_(edit),
-          drawn_(drawn),
-          reach_mm_(reach_mm),
-          shapes_(edit, drawn, least_sine),
-          improve_(improve),
-          context_(context) {
+        : edit_(edit), drawn_(drawn), reach_mm_(reach_mm), context_(context) {
         if (!drawn.planes.empty()) areas_.emplace(edit, drawn);
+        surgery_.emplace(edit, drawn, areas_ ? &*areas_ : nullptr, least_sine, improve);
     }
 
     HandleRemovalStats run() {
@@ -115,9 +110,6 @@ class HandleRemoval {
     }
 
   private:
-    // Of a structure and of what is outside it: parts that facets join.
-    using Parts = std::array<std::size_t, 2>;
-
     bool has(std::uint32_t c, std::uint32_t structure) const {
         return edit_.table->contains(edit_.mesh.region(c), structure);
     }
@@ -144,7 +136,6 @@ class HandleRemoval {
                 return !is_enough() && in_vain.insert(part.vertices).second && close(part.vertices, sides);
             });
             if (!removed) return;
-            parts_before_.clear();
             ++stats_.removed;
         }
     }
@@ -204,104 +195,39 @@ class HandleRemoval {
         return found;
     }
 
-    Parts parts_of(std::uint32_t structure) const {
-        DisjointSets sets(edit_.mesh.cell_count());
-        const std::vector<std::uint32_t> all = edit_.mesh.alive_cells();
-        for (const std::uint32_t c : all) {
-            for (int i = 0; i < 4; ++i) {
-                const std::uint32_t other = edit_.mesh.neighbor(c, i);
-                if (other < c && has(other, structure) == has(c, structure)) sets.join(c, other);
-            }
-        }
-        Parts parts{};
-        for (const std::uint32_t c : all) parts[has(c, structure)] += sets.root(c) == c;
-        return parts;
-    }
-
-    // Of the structures of regions at the membrane: no other one changes.
-    void note_parts_at(const Membrane& membrane) {
-        for (const std::uint32_t v : membrane.vertices()) {
-            edit_.mesh.star(v, edit_.star);
-            for (const std::uint32_t c : edit_.star) {
-                for (const std::uint32_t s : edit_.table->members[edit_.mesh.region(c)]) {
-                    if (!parts_before_.contains(s)) parts_before_[s] = parts_of(s);
-                }
-            }
-        }
-    }
-
     bool relabel(const Membrane& membrane, Region own) {
-        note_parts_at(membrane);
+        SurgeryProposal proposal;
+        const std::uint32_t end = contour_vertex_or_first(*drawn_.owners, membrane.path, structure_);
+        proposal.relabelling.chain = {{end}, structure_};
+        proposal.relabelling.membrane = membrane;
+        proposal.relabelling.own = own;
+        proposal.topology = TopologyChange::handle_goes;
+        proposal.most_mm = edit_.options.spike_mm;
         for (const MembraneSides side : {MembraneSides::first, MembraneSides::second}) {
-            for (const MembraneReach reach : handle_reaches) {
-                for (const double thickness : membrane_thicknesses) {
-                    if (is_enough()) return false;
-                    const Outcome outcome = attempt(membrane, own, {side, reach, thickness});
-                    if (outcome == Outcome::done) return true;
-                    if (outcome == Outcome::unsound) break;
-                }
-            }
+            proposal.relabelling.across = MembraneAcross{side, {}, {}};
+            if (is_enough()) return false;
+            if (surgery_->attempt_each(proposal, handle_reaches, membrane_thicknesses,
+                                       [&](const SurgeryResult& result) { return note(result); }))
+                return true;
         }
         return false;
     }
 
-    struct Way {
-        MembraneSides side;
-        MembraneReach reach;
-        double thickness;
-    };
-
-    enum class Outcome { done, unsound, bad };
-
-    Outcome attempt(const Membrane& membrane, Region own, const Way& way) {
-        const MeshImprovementStats stats = edit_.stats;
-        edit_.mesh.begin_attempt();
-        const Outcome outcome = change(membrane, own, way);
-        edit_.mesh.end_attempt(outcome == Outcome::done);
-        if (outcome != Outcome::done) edit_.stats = stats;
-        return outcome;
-    }
-
-    Outcome change(const Membrane& membrane, Region own, const Way& way) {
-        const Chain chain{{vertex_of_contour(membrane)}, structure_};
-        const MembraneAcross across{way.side, {}, {}};
-        std::optional<RelabelledNeighborhood> made =
-            relabel_membrane_neighborhood(edit_, *drawn_.owners, chain, membrane, own, way.reach,
-                                          way.thickness, areas_ ? &*areas_ : nullptr, &across);
-        const auto is_whole = [&](std::uint32_t s) { return parts_of(s) == parts_before_.at(s); };
-        if (!made || std::find(made->parted.begin(), made->parted.end(), structure_) == made->parted.end() ||
-            !std::all_of(made->parted.begin(), made->parted.end(), is_whole))
-            return Outcome::unsound;
-        if (made->wrong_of_cuts > most_worse_sections) return Outcome::bad;
-        ++improved_;
-        std::vector<std::uint32_t> changed = std::move(made->changed);
-        const std::vector<std::uint32_t> improved = improve_(changed);
-        changed.insert(changed.end(), improved.begin(), improved.end());
-        sort_distinct(changed);
-        if (!shapes_.allow(changed)) return Outcome::bad;
-        --improved_;
-        shapes_.keep();
-        stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());
-        return Outcome::done;
-    }
-
-    // On the rim, one of a contour if there is one.
-    std::uint32_t vertex_of_contour(const Membrane& membrane) const {
-        const auto found = std::find_if(membrane.path.begin(), membrane.path.end(),
-                                        [&](std::uint32_t v) { return drawn_.owners->has(v, structure_); });
-        return found == membrane.path.end() ? membrane.path.front() : *found;
+    bool note(const SurgeryResult& result) {
+        improved_ += result.verdict == SurgeryVerdict::in_vain;
+        if (result.verdict == SurgeryVerdict::done)
+            stats_.changed.insert(stats_.changed.end(), result.changed.begin(), result.changed.end());
+        return !is_enough();
     }
 
     EditContext& edit_;
     const DrawnSlices& drawn_;
     double reach_mm_;
-    QualityBudget shapes_;
-    const ImproveCells& improve_;
     const RunContext& context_;
     std::optional<SectionAreas> areas_;
+    std::optional<MembraneSurgery> surgery_;
     std::uint32_t structures_ = 0, structure_ = 0;
-    std::map<std::uint32_t, Parts> parts_before_;  // by structure, before a handle is closed
-    std::size_t improved_ = 0;                     // in vain
+    std::size_t improved_ = 0;  // attempts whose cells were improved in vain
     HandleRemovalStats stats_;
 };
 

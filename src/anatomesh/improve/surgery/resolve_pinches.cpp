@@ -16,9 +16,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_rounds = 3;  // over the edges and vertices
-// On a way between cells at a vertex, in cells: of each edge of a contour, of a cell of another region.
-constexpr std::size_t price_of_contours = 4, price_of_others = 3;
+constexpr std::size_t most_rounds = 3;  // over the edges and vertices [passes; > 0; B]
+// Price of a cell on a way between cells at a vertex, for each edge of a contour. [cells; > 0; M 2026-11,
+// set not recorded]
+constexpr std::size_t price_of_contours = 4;
+constexpr std::size_t price_of_others =
+    3;  // of a cell of another region [cells; > 1; M 2026-11, set not recorded]
 
 class PinchResolution {
   public:
@@ -189,7 +192,7 @@ class PinchResolution {
 
     // Of cells at a vertex, those on the way from these to others of the other side: the cheapest one.
     std::vector<std::uint32_t> way_between(std::uint32_t v, const std::vector<std::uint32_t>& from) {
-        constexpr std::size_t never = static_cast<std::size_t>(-1);
+        constexpr std::size_t never = static_cast<std::size_t>(-1);  // [cells; -; D]
         struct Step {
             std::size_t cost = never;
             std::uint32_t before = no_cell;

@@ -14,7 +14,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_sections = 200;
+constexpr std::size_t most_sections = 200;  // of cells, in one cross-section [sections; > 0; B]
 
 using Section = SectionAreas::Section;
 using Ends = std::array<std::uint32_t, 2>;  // of an edge, rising; twice the same: a vertex

@@ -13,11 +13,17 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_subsegments = 50;  // of a chain
-constexpr std::size_t most_facets = 8;        // of a membrane, beside one for each subsegment
-constexpr std::size_t most_looked_at = 4000, most_membranes = 16, most_across = 6;
-constexpr double edge_price = 0.43;  // of its square: the facets that an edge off the surface still needs
-constexpr double wrong_side = 5;     // price of a facet where the field has the side of the chain
+constexpr std::size_t most_subsegments = 50;  // of a chain [subsegments; > 0; B]
+constexpr std::size_t most_facets = 8;  // of a membrane, beside one for each subsegment [facets; > 0; B]
+constexpr std::size_t most_looked_at = 4000;  // that are grown [membranes; > 0; B]
+constexpr std::size_t most_membranes = 16;    // for a chain [membranes; > 0; B]
+constexpr std::size_t most_across = 6;        // on one side of a structure [membranes; > 0; B]
+// Area of the facets that an edge off the surface still needs, in squares of its length: an equilateral
+// triangle. [1; > 0; D]
+constexpr double edge_price = 0.43;
+// Price of a facet where the field has the side of the chain, in areas. [1; >= 1; M 2026-11, set not
+// recorded]
+constexpr double wrong_side = 5;
 
 struct Dearer {
     bool operator()(const Membrane& x, const Membrane& y) const {

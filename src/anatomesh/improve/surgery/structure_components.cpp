@@ -9,7 +9,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int steps_a_turn = 16;  // of one group, before it is the next one's turn. > 0
+constexpr int steps_a_turn = 16;  // of one group, before it is the next one's turn [cells; > 0; B]
 
 }  // namespace
 

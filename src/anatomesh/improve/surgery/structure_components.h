@@ -34,7 +34,7 @@ class StructureComponents {
     ComponentChange change(std::uint32_t structure, bool inside, std::uint32_t first_new);
 
   private:
-    static constexpr std::uint32_t none = 0xFFFFFFFFu;
+    static constexpr std::uint32_t none = 0xFFFFFFFFu;  // no group [1; -; D]
 
     // Cells that stay, found to be connected so far.
     struct Group {

@@ -11,7 +11,8 @@
 
 namespace anatomesh {
 
-// In edge lengths: a handle within so little is the mesh's own where no contour tells of it.
+// A handle within so many edge lengths is the mesh's own where no contour shows it.
+// [1; > 0; M 2026-11, set not recorded]
 inline constexpr double spurious_handle_reach = 1.5;
 
 // Contours with the mesh vertices of all their points, or no_cell.
