@@ -7,20 +7,26 @@
 #include <vector>
 
 #include "anatomesh/base/contract.h"
-#include "anatomesh/base/parallel.h"
-#include "anatomesh/improve/core/hole.h"
+#include "anatomesh/improve/sections/facet_worklist.h"
+#include "anatomesh/improve/sections/refill_from_heights.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr double first_height = 0.2,
-                 height_factor = 1.5;  // of the new vertex, as a share of the cell's height
-constexpr int heights_tried = 4;
-constexpr double flat_end = 1e-3;  // of a facet's longest edge: nearer to an interface its middle lies on it
-constexpr std::size_t most_round_edge = 12;  // cells between two facets that are detached together
-constexpr double last_radius_edge =
-    contract::nearly_bad_radius_edge;  // of cells for the sake of what is drawn
+// The first height of the new vertex, as a share of the cell's height. [1; 0 to 1; M 2026-11, set not
+// recorded]
+constexpr double first_height = 0.2;
+constexpr double height_factor = 1.5;  // from one height to the next [1; > 1; M 2026-11, set not recorded]
+constexpr std::array heights{first_height, first_height* height_factor,
+                             first_height* height_factor* height_factor,
+                             first_height* height_factor* height_factor* height_factor};
+// Share of a facet's longest edge: nearer to an interface its middle lies on it. [1; 0 to 0.1; M 2026-11,
+// set not recorded]
+constexpr double flat_end = 1e-3;
+constexpr std::size_t most_round_edge = 12;  // between two facets that are detached together [cells; > 0; B]
+// Ratio of cells for the sake of what is drawn. [1; > 0; C]
+constexpr double last_radius_edge = contract::nearly_bad_radius_edge;
 
 class FacetDetachment {
   public:
@@ -28,34 +34,35 @@ class FacetDetachment {
         : edit_(edit), drawn_(drawn), least_sine_(least_sine) {}
 
     DetachmentStats run(int threads) {
-        std::vector<std::uint32_t> waiting = parallel_collect<std::uint32_t>(
-            edit_.mesh.cell_count(), 16384, threads,
-            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& cells) {
-                for (std::size_t c = first; c < last; ++c) {
-                    if (may_rest(static_cast<std::uint32_t>(c)))
-                        cells.push_back(static_cast<std::uint32_t>(c));
-                }
-            });
-        DetachmentStats stats;
-        for (std::size_t n = 0; n < waiting.size(); ++n) {
-            const std::uint32_t c = waiting[n];
-            if (!edit_.mesh.alive(c)) continue;
-            int i = 0;
-            while (i < 4 && !rests(c, i)) ++i;
-            if (i == 4) continue;
-            const std::size_t detached = detach(c, i);
-            stats.facets_detached += detached;
-            if (detached == 0) {
-                ++stats.facets_left;
-                continue;
-            }
-            // Others that rest may have new cells.
-            stats.changed.insert(stats.changed.end(), edit_.changed.begin(), edit_.changed.end());
-            for (const std::uint32_t changed : edit_.changed) {
-                if (may_rest(changed)) waiting.push_back(changed);
-            }
+        std::vector<std::uint32_t> waiting = suspect_cells(edit_.mesh, *this, threads);
+        visit_facets(edit_, waiting, *this, [] { return true; });
+        return std::move(stats_);
+    }
+
+    // Whether a facet of the cell lies in a slice.
+    bool is_suspect(std::uint32_t c) const {
+        if (!edit_.mesh.alive(c)) return false;
+        for (int i = 0; i < 4; ++i) {
+            if (in_slice(edit_.mesh.cell(c), i)) return true;
         }
-        return stats;
+        return false;
+    }
+
+    int next_facet(std::uint32_t c, int from) {
+        if (!edit_.mesh.alive(c)) return 4;
+        while (from < 4 && !rests(c, from)) ++from;
+        return from;
+    }
+
+    FacetVisit visit(std::uint32_t c, int i) {
+        const std::size_t detached = detach(c, i);
+        stats_.facets_detached += detached;
+        if (detached == 0) {
+            ++stats_.facets_left;
+            return FacetVisit::next_cell;
+        }
+        stats_.changed.insert(stats_.changed.end(), edit_.changed.begin(), edit_.changed.end());
+        return FacetVisit::changed;
     }
 
   private:
@@ -65,14 +72,6 @@ class FacetDetachment {
             return v < drawn_.slice_of.size() ? drawn_.slice_of[v] : no_slice;
         };
         return slice(0) != no_slice && slice(1) == slice(0) && slice(2) == slice(0);
-    }
-
-    bool may_rest(std::uint32_t c) const {
-        if (!edit_.mesh.alive(c)) return false;
-        for (int i = 0; i < 4; ++i) {
-            if (in_slice(edit_.mesh.cell(c), i)) return true;
-        }
-        return false;
     }
 
     // Whether a facet lies in a slice between regions of which the cell's has a structure that is not drawn
@@ -153,28 +152,24 @@ class FacetDetachment {
     }
 
     // From several heights over the facets.
-    bool fill(const std::vector<std::uint32_t>& cells, std::span<const Hole::CellFacet> facets) {
-        Vec3 foot{}, top{};
+    bool fill(std::vector<std::uint32_t> cells, std::span<const Hole::CellFacet> facets) {
+        Refill refill{std::move(cells), facets, {}, {}};
         const double share = 1 / static_cast<double>(facets.size());
         for (const Hole::CellFacet& facet : facets) {
-            foot = foot + share * middle(facet);
-            top = top + share * edit_.mesh.point(edit_.mesh.cell(facet.first)[facet.second]);
+            refill.foot = refill.foot + share * middle(facet);
+            refill.top = refill.top + share * edit_.mesh.point(edit_.mesh.cell(facet.first)[facet.second]);
         }
-        const auto enough = [&](const QualityThreshold&) { return least_sine_; };
         const auto anywhere = [](Vec3&) { return true; };
-        for (const double most : {edit_.options.max_radius_edge, last_radius_edge}) {
-            double height = first_height;
-            for (int n = 0; n < heights_tried; ++n, height *= height_factor) {
-                if (Hole(edit_, cells, facets).fill(foot + height * (top - foot), {}, most, enough, anywhere))
-                    return true;
-            }
-        }
-        return false;
+        return std::any_of(ratios_.begin(), ratios_.end(), [&](double most) {
+            return refill_from_heights(edit_, refill, heights, {least_sine_, most}, anywhere) != no_cell;
+        });
     }
 
     EditContext& edit_;
     const DrawnSlices& drawn_;
     double least_sine_;
+    std::array<double, 2> ratios_{edit_.options.max_radius_edge, last_radius_edge};
+    DetachmentStats stats_;
 };
 
 }  // namespace

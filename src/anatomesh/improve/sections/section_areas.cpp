@@ -14,9 +14,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double rounding = 1 + 1e-9;
-constexpr double least_share = 1e-6;         // of what is drawn, that a section counts from
-constexpr std::size_t cells_a_piece = 8192;  // that one thread looks at one after the other
+constexpr double rounding = 1 + 1e-9;  // of a distance, upwards [1; > 1; D]
+// Share of what is drawn, that a section counts from. [1; 0 to 0.001; M 2026-11, set not recorded]
+constexpr double least_share = 1e-6;
+constexpr std::size_t cells_a_piece = 8192;  // that one thread looks at one after the other [cells; > 0; B]
 
 // Whether a level (ParallelPlanes) is that of a plane, not of what is between two.
 constexpr bool is_in_plane(std::uint32_t level) {
