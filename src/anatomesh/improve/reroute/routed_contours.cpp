@@ -134,7 +134,7 @@ std::vector<std::uint8_t> kept_vertices(const ContourSet& set, std::span<const s
 
 namespace {
 
-constexpr int parts = 16;  // of a segment, to measure distances between
+constexpr int parts = 16;  // of a segment, to measure distances between [parts; > 0; B]
 
 // Places in the ring that is drawn, and in that which was re-routed, between two vertices that both have;
 // these included.

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/sample/drawing_for_test.h"
 
 namespace anatomesh::routed_contours_test {

@@ -10,7 +10,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_walked = 20000;
+constexpr std::size_t most_walked = 20000;  // of the section's points, for a way [points; > 0; B]
 
 SectionNode edge_node(std::uint32_t p, std::uint32_t q) {
     return {std::min(p, q), std::max(p, q)};
