@@ -34,7 +34,7 @@
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh/pipeline/contradicted_places.h"
-#include "anatomesh/pipeline/how_planes_lie.h"
+#include "anatomesh/pipeline/effort.h"
 #include "anatomesh/pipeline/ill_shaped_cells.h"
 #include "anatomesh/pipeline/improve_figures.h"
 #include "anatomesh/pipeline/model_warnings.h"
@@ -51,10 +51,6 @@ namespace anatomesh {
 namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
-// Of the subsegments, beside their surface: more are not brought there about an axis where shapes are spared.
-constexpr double most_beside = 0.003;
-constexpr double near_share = 0.03;         // where planes cross: as RelabelOptions::near_mm, in sizes
-constexpr double crossing_tolerance = 0.2;  // where planes cross also in shares of the shortest edge there
 // For the volume's sake no vertex moves further than the first of these, in sizes, and, where a larger share
 // of a volume is still amiss then, the second further: where few vertices are free, that makes bumps of them.
 constexpr double balance_reach = 0.1, further_reach = 0.15;
@@ -65,31 +61,10 @@ constexpr double hardly_thicker = 1.3;    // than the size: a structure that a f
 constexpr double spike_height = 0.35;     // of a surface over the field's, in sizes
 constexpr double spurious_share = 0.003;  // of a cube of the size: less is no piece of a structure by itself
 constexpr int relabel_rounds = 10;        // after the first, with points where a subsegment was given up
-// Where freehand planes lie closer than the vertices along them, contours tell the surface without more
-// points.
-constexpr double dense_growth = 2;  // of the edge length with the depth
-// Contour vertices nearer to each other than this may spoil cells, in sizes: more where planes are denser.
-constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
-// Of the cells inside, so many may come above the bound for subsegments' sake at the first runs, and
-// cells of no worse shape (cavity.h) are made; after more that were ill-shaped none.
-struct RecoveryBounds {
-    double most_more_bad, least_shape;
-};
-constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.01}, {0.001, 0.2}, {0.001, 0.4}}};
-constexpr double least_shape_across = 0.1;  // where planes cross: worse ones are not single there
-// Subsegments that the recovery leaves no shape untried for: about an axis, and elsewhere at the first run.
-constexpr std::size_t few_subsegments = 10;
-// Of a label map, slices far apart against its voxels lack more subsegments, where structures meet.
-constexpr std::size_t last_few_of_labels = 40;
-// Between dense planes contours leave few vertices of the surface free: more points between them are needed
-// to make the volume right, and a surface so far from the field's, in sizes, is one of bumps and pits.
-constexpr double dense_deviation = 0.03;  // as surface_deviation
+// A surface so far from the field's, in sizes, is one of bumps and pits.
 constexpr double most_astray = 0.3;
 // Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
 constexpr double smooth_mean = 0.947;
-// Of a contour segment along the surface, from its place, in sizes; and where no planes cross, of which none
-// comes too near to another one.
-constexpr double most_routed = 0.5, most_routed_parallel = 0.1;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // Everything that one run of the method carries from stage to stage. The stages work relative to the low
@@ -104,10 +79,8 @@ class Builder {
           origin_(contours.points.empty() ? Vec3{} : contours.box().low),
           contours_(relative_to(origin_, contours)),
           options_(config.options),
-          size_given_(config.size_given),
-          may_conform_(config.may_conform),
-          runs_before_(config.before),
-          ill_shaped_before_(config.ill_shaped_before),
+          request_{config.options.spare_dense_above, config.size_given, config.may_conform, config.before,
+                   config.ill_shaped_before},
           target_mean_ratio_(config.target_mean_ratio),
           context_(context),
           observer_(observer),
@@ -130,19 +103,19 @@ class Builder {
         facts.size_mm = size_mm();
         facts.cells = model.ok() ? model.value().mesh.cells.size() : cells_so_far();
         // The same size is to be tried again with all that can be done.
-        facts.reduced_effort = spared_ || recovered_ || (subsegments_ && subsegments_->are_short());
-        facts.conformed = conforming_;
+        facts.reduced_effort = effort_.reduced || recovered_ || (subsegments_ && subsegments_->are_short());
+        facts.conformed = effort_.conforming;
         facts.segments_missed = segments_missed_;
         facts.has_segments_beside = has_segments_beside_;
         facts.drawn_segments = source_.points.size();
         // Or it was not looked at.
-        facts.contradicted = !planes_.apart && (!planes_.meet_cuts || !contradicted_.empty());
+        facts.contradicted = !effort_.is_apart() && (!effort_.fits_sections || !contradicted_.empty());
         const ModelReport& report = model.ok() ? model.value().report : model_.report;
         if (model.ok()) {
             facts.torn = tore_a_structure();
             facts.spurious_joints = spurious_places(tears_);
-            facts.deviates =
-                conforming_ && planes_.dense && report.field_distance.max_mm > most_astray * size_mm();
+            facts.deviates = effort_.conforming && effort_.is_dense() &&
+                             report.field_distance.max_mm > most_astray * size_mm();
         }
         return score_of(model, report, facts);
     }
@@ -189,20 +162,19 @@ class Builder {
         if (context_.threads == 1) field_ = counted_field_ = std::make_shared<CountedField>(known_field_);
         warnings_of_field_ = context_.warnings.size();
         report().slice_spacing_mm = field_->slice_spacing();
-        planes_ = how_planes_lie(contours_, arrangement(), *field_, options_.spare_dense_above);
-        spared_ = planes_.crammed && runs_before_ == 0 && !size_given_;
+        effort_ = effort_of(contours_, arrangement(), *field_, request_);
         slices_ = weigh_slices(contours_, *facts_, field_->flat_ends());
-        if (planes_.meet_cuts) contradicted_ = contradicted_places(contours_, slices_.weights, context_);
-        conforming_ = may_conform_ && planes_.may_conform;
+        if (effort_.fits_sections) contradicted_ = contradicted_places(contours_, slices_.weights, context_);
         return end_stage("field", 0.05);
     }
 
     Status sample() {
         SampleOptions options;
         options.size_mm = options_.size_mm;
-        options.conforming = conforming_;
-        if (spared_) options.growth = dense_growth;
+        options.conforming = effort_.conforming;
+        options.growth = effort_.growth;
         ANATOMESH_TRY(sample_, sample_points(contours_, arrangement(), *field_, options, context_));
+        if (sample_->has_pole) effort_ = effort_at_pole(effort_);
         const SampleStats& stats = sample_->stats;
         figures_ = {{"contour_points", static_cast<double>(stats.contour_points)},
                     {"segment_points", static_cast<double>(stats.segment_points)},
@@ -244,9 +216,9 @@ class Builder {
                 {vertices[subsegment.a], vertices[subsegment.b], subsegment.structure, subsegment.ball});
         }
         ContourSubsegmentOptions options{
-            sample_->stats.size_mm, spared_,          planes_.dense && !planes_.crammed, conforming_,
-            sample_->graded,        runs_before_ == 0};
-        if (arrangement().is_parallel() && contours_.exclusive) options.last_few = last_few_of_labels;
+            sample_->stats.size_mm,     effort_.reduced, effort_.is_dense_in_full(),
+            effort_.conforming,         sample_->graded, effort_.refinement.to_short,
+            effort_.refinement.last_few};
         subsegments_.emplace(*mesh_, sample_->protected_segments, *field_, std::move(subsegments), options);
         given_.assign(mesh_->points().size(), 0);
         for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
@@ -266,15 +238,16 @@ class Builder {
 
     Status refine_cells() {
         const double size_mm = sample_->stats.size_mm;
-        const double deviation = conforming_ && planes_.dense ? dense_deviation : surface_deviation;
-        RefinementOptions options{
-            size_mm,         options_.max_radius_edge, 0, deviation * size_mm, spared_, conforming_,
-            sample_->graded, target_mean_ratio_,       {}};
-        if (planes_.meet_cuts) options.slices = {crossing_planes(), slices_.weights, contradicted_};
-        if (spared_) {
-            const double share = crowded_share * planes_.density;
-            options.crowded_mm = std::min(share, most_crowded_share) * size_mm;
-        }
+        RefinementOptions options{size_mm,
+                                  options_.max_radius_edge,
+                                  effort_.refinement.crowded_sizes * size_mm,
+                                  effort_.refinement.deviation_sizes * size_mm,
+                                  effort_.reduced,
+                                  effort_.conforming,
+                                  sample_->graded,
+                                  target_mean_ratio_,
+                                  {}};
+        if (effort_.fits_sections) options.slices = {crossing_planes(), slices_.weights, contradicted_};
         refinement_.emplace(*mesh_, *subsegments_, sample_->protected_segments, given_, options);
         ANATOMESH_CHECK_STATUS(refinement_->run(context_));
         const RefinementStats& stats = refinement_->stats();
@@ -289,13 +262,11 @@ class Builder {
         return end_stage("refine", 0.6);
     }
 
-    // Contours of planes that cross come so near to each other that a share of the size is far there.
     SurfaceTolerance tolerance_at_vertices() const {
-        return {interface_tolerance * sample_->stats.size_mm,
-                arrangement().is_parallel() ? 0 : crossing_tolerance};
+        return {interface_tolerance * sample_->stats.size_mm, effort_.tolerance_of_edge};
     }
 
-    double near_mm() const { return arrangement().is_parallel() ? 0 : near_share * sample_->stats.size_mm; }
+    double near_mm() const { return effort_.near_sizes * sample_->stats.size_mm; }
 
     ContourOwners contour_owners(const std::vector<Subsegment>& all, std::size_t point_count) const {
         std::vector<std::array<std::uint32_t, 3>> subsegments;
@@ -312,7 +283,7 @@ class Builder {
         std::optional<VertexStars> stars;
         ContourOwners owners;
         SlicePlanes slices{{}, {}, field_.get(), structures_};
-        if (planes_.meet_cuts) slices.crossing = crossing_planes(), slices.weights = slices_.weights;
+        if (effort_.fits_sections) slices.crossing = crossing_planes(), slices.weights = slices_.weights;
         PlanesOfStack planes;
         parallel_tasks(context_.threads,
                        {[&] { stars.emplace(mesh_->cells().cells, vertex_count, context_.threads); },
@@ -325,7 +296,7 @@ class Builder {
         slices.planes = planes.planes;
         return relabel({mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, *stars, owners,
                         mesh_->memberships(), mesh_->regions(), mesh_->registry()},
-                       {spike_share * sample_->stats.size_mm, near_mm(), !sample_->has_pole}, nonmanifold,
+                       {spike_share * sample_->stats.size_mm, near_mm(), effort_.losses_wait}, nonmanifold,
                        look, context_.threads, slices);
     }
 
@@ -359,8 +330,7 @@ class Builder {
                         }});
         RecoverStats recovered;
         // Some ms each.
-        if (planes_.bear_all && ill_shaped_before_ < recovery_bounds.size())
-            recovered = recover_segments(nonmanifold, relabelled);
+        if (effort_.recovery) recovered = recover_segments(nonmanifold, relabelled);
         const ContourOwners owners = contour_owners(subsegment_list_, mesh.points.size());
         ANATOMESH_TRY(const NonmanifoldStats split,
                       resolve_nonmanifold(mesh, nonmanifold, owners, mesh_->registry(), {}));
@@ -394,7 +364,7 @@ class Builder {
         // Of outlines beside each other on parallel planes, each with its own, what is between several is a
         // wedge, whose cells would be no better.
         const bool gave_overlaps = contours_.exclusive && contours_.drawn;
-        const bool may_be_between = gave_overlaps || contours_.overlapping || !arrangement().is_parallel();
+        const bool may_be_between = gave_overlaps || contours_.overlapping || !effort_.is_parallel();
         const RegionTable* table = may_be_between ? &mesh_->registry().table() : nullptr;
         return remove_spurious_components(model_.mesh, neighbors_, given,
                                           {spurious_share * std::pow(sample_->stats.size_mm, 3)},
@@ -407,15 +377,13 @@ class Builder {
         const auto vertices = mesh_->first_vertices();
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
             held[vertices[n]] = 1;
-        const RecoveryBounds& bounds = recovery_bounds[ill_shaped_before_];
-        const double least_shape = std::max(bounds.least_shape, planes_.apart ? 0 : least_shape_across);
-        const bool may_cost_shape = sample_->has_pole || runs_before_ == 0;
         RecoveredSubsegments recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, arrangement(), vertices_of_contours(), owner_pairs_, subsegment_list_,
              std::move(held)},
-            {sample_->stats.size_mm, tolerance_at_vertices(), options_.max_radius_edge, bounds.most_more_bad,
-             least_shape, may_cost_shape ? few_subsegments : 0, near_mm(), !sample_->has_pole});
+            {sample_->stats.size_mm, tolerance_at_vertices(), options_.max_radius_edge,
+             effort_.recovery->most_more_bad, effort_.recovery->least_shape, effort_.recovery->few_missing,
+             near_mm(), effort_.losses_wait});
         recovered.run(nonmanifold, relabelled, context_);
         subsegment_list_ = recovered.subsegments();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
@@ -456,7 +424,7 @@ class Builder {
         ImproveOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * stats.size_mm;
-        if (spared_) options.rounds = 0;
+        if (effort_.reduced) options.rounds = 0;
         std::optional<VertexStars> stars(find_stars());
         const ImproveStats improved =
             improve(model_.mesh, *stars, fixed, *field_, structures_, model_.regions, options, context_);
@@ -475,8 +443,8 @@ class Builder {
         const SpuriousComponentStats spurious = settle_routed();
         stars = find_stars();
         fix_ill_shaped(fixed);
-        // About an axis too: what was mended at last would be undone.
-        const SliceWeights slices = slices_to_keep(true);
+        // Those mended at last too: that would be undone.
+        const SliceWeights slices = slices_to_keep();
         const SmoothStats again = smooth_all(*stars, fixed, slices.sides, smooth_mean);
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
@@ -534,12 +502,8 @@ class Builder {
         return VertexStars(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
     }
 
-    // Not where planes that cross lie so close that shapes are spared; about an axis only where asked: there
-    // all planes are wrong by a little at each cell of the pole, and mending them took three times as long as
-    // all the rest (but the worst at last, see improve_angles()).
-    SliceWeights slices_to_keep(bool about_axis) const {
-        if ((spared_ || (sample_->has_pole && !about_axis)) && !arrangement().is_parallel()) return {};
-        return slices_;
+    SliceWeights slices_to_keep() const {
+        return effort_.improvement.sections == SectionRepair::none ? SliceWeights{} : slices_;
     }
 
     // Where planes cross.
@@ -567,8 +531,8 @@ class Builder {
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
         options.spike_mm = spike_height * sample_->stats.size_mm;
-        options.relabels_for_ratio = arrangement().is_parallel();  // elsewhere pits come of it
-        if (spared_) {
+        options.relabels_for_ratio = effort_.improvement.relabels_for_ratio;
+        if (effort_.reduced) {
             options.target_degrees = dense_target_degrees;
             options.passes = 1;
             options.ratio_passes = 0;
@@ -585,21 +549,21 @@ class Builder {
             if (sides[n].inside != sides[n].outside)
                 beside.push_back({subsegments[n].a, subsegments[n].b, subsegments[n].structure});
         }
-        // Where shapes are spared, more would cost what is spared.
-        if (spared_ && sample_->has_pole &&
-            static_cast<double>(beside.size()) > most_beside * static_cast<double>(subsegments.size()))
+        const ImprovementEffort& effort = effort_.improvement;
+        if (static_cast<double>(beside.size()) >
+            effort.most_off_surface * static_cast<double>(subsegments.size()))
             beside.clear();
         std::vector<std::uint8_t> constraint_limited;
-        if (!spared_ || !beside.empty()) constraint_limited = constraint_limited_vertices_of(subsegments);
-        // About an axis those that are wrong by more than they may be, at last.
-        const bool worst_alone = sample_->has_pole && !spared_ && !arrangement().is_parallel();
-        const SliceWeights slices = worst_alone ? slices_ : slices_to_keep(false);
+        if (!effort_.reduced || !beside.empty())
+            constraint_limited = constraint_limited_vertices_of(subsegments);
+        const bool worst_alone = effort.sections == SectionRepair::worst_at_last;
+        const SliceWeights slices = slices_to_keep();
         const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
         const RoutableContours routable{contours_.contours, contour_vertices, planes, contours_.exclusive,
-                                        most_reroute_mm(most_routed)};
-        if (!arrangement().is_parallel()) options.handle_mm = spurious_handle_reach * sample_->stats.size_mm;
+                                        most_reroute_mm(effort.most_rerouted_sizes)};
+        if (effort.closes_handles) options.handle_mm = spurious_handle_reach * sample_->stats.size_mm;
         const std::vector<VertexPair> fixed_edges =
             edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours()));
         return improve_mesh(
@@ -653,7 +617,7 @@ class Builder {
 
     // Where all that was done left segments that are no edges of the surface.
     void snap_round_beside(const std::vector<std::uint32_t>& contour_vertices) {
-        const double most_mm = most_reroute_mm(most_sizes_beside);
+        const double most_mm = most_reroute_mm(effort_.improvement.most_snapped_sizes);
         if (segments_missed_ == 0 || !(most_mm > 0)) return;
         const std::vector<RoutedContour> before = routed_;
         routed_ = snap_round_segments(model_.mesh, neighbors_, model_.regions, source_, contour_vertices,
@@ -661,10 +625,8 @@ class Builder {
         has_segments_beside_ = routed_ != before;
     }
 
-    // `most`: where planes cross, in sizes.
-    double most_reroute_mm(double most) const {
-        if (arrangement().is_parallel()) most = most_routed_parallel;
-        return std::min(options_.max_reroute_mm, most * sample_->stats.size_mm);
+    double most_reroute_mm(double most_sizes) const {
+        return std::min(options_.max_reroute_mm, most_sizes * sample_->stats.size_mm);
     }
 
     void move_back(std::vector<Vec3>& points) const {
@@ -686,19 +648,20 @@ class Builder {
         if (contours_.exclusive) warn_of_volumes(volumes_, model_.structures, contours_.source, context_);
         look_for_tears();
         // What was not done for their sake is the user's to know.
-        if (spared_) warn_of_constraint_limited_cells(report(), contours_.source, context_);
+        if (effort_.reduced) warn_of_constraint_limited_cells(report(), contours_.source, context_);
         for (const Clause& clause : report().certificate) {
             if (clause.state != ClauseState::broken) continue;
             // Cuts, quality and volume are out of reach for this input; a wrong surface would be a fault of
             // ours.
             const bool out_of_reach = clause.number == 2 || clause.number == 4 || clause.number == 6;
-            return Error{out_of_reach ? ErrorKind::geometry : ErrorKind::internal,
-                         "E-PIP-002",
-                         "clause " + std::to_string(clause.number) + " of the certificate is broken: " +
-                             clause.statement + " (" + clause.evidence + ")",
-                         {},
-                         advice_on_size(mean_thickness(contours_), sample_->stats.size_mm, size_given_) +
-                             "; nothing was written"};
+            return Error{
+                out_of_reach ? ErrorKind::geometry : ErrorKind::internal,
+                "E-PIP-002",
+                "clause " + std::to_string(clause.number) +
+                    " of the certificate is broken: " + clause.statement + " (" + clause.evidence + ")",
+                {},
+                advice_on_size(mean_thickness(contours_), sample_->stats.size_mm, request_.size_given) +
+                    "; nothing was written"};
         }
         return Nothing{};
     }
@@ -758,10 +721,7 @@ class Builder {
     const Vec3 origin_;
     const ContourSet contours_;  // relative to it
     const ModelOptions& options_;
-    const bool size_given_;
-    const bool may_conform_;
-    const std::size_t runs_before_;        // that did not conform
-    const std::size_t ill_shaped_before_;  // of these
+    const EffortRequest request_;
     const double target_mean_ratio_;
     RunContext& context_;
     const StageObserver& observer_;
@@ -778,9 +738,7 @@ class Builder {
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
     std::optional<ContourSubsegments> subsegments_;  // of contour segments, in mesh_
     std::optional<RefinementRounds> refinement_;     // of mesh_
-    HowPlanesLie planes_;
-    bool conforming_ = false;  // where planes cross: see SampleOptions
-    bool spared_ = false;      // planes are crammed, and it is the first run with a default size
+    Effort effort_;
     std::vector<Subsegment> subsegment_list_;  // those of subsegments_, and where the cut split them further
     std::vector<Subsegment> cut_subsegments_;  // of those that the last step of the cut split
     std::vector<RoutedContour> routed_;        // by contour
@@ -793,7 +751,7 @@ class Builder {
     // Where subsegments were split after sampling, by the cut too.
     std::vector<std::uint32_t> segment_vertices_;
     SliceWeights slices_;
-    std::vector<ContradictedPlace> contradicted_;  // where planes_.meet_cuts
+    std::vector<ContradictedPlace> contradicted_;  // where sections are fitted
     Model model_;
     TopologyFindings tears_;
     std::vector<std::pair<std::string, double>> figures_;  // of the stage under way

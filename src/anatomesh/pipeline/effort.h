@@ -1,0 +1,103 @@
+// Effort: what one run of the method does for contours and for the shape of cells, and what it leaves out.
+//
+// Work that most inputs do not need is not done for all. How the slices lie, how dense their planes are, and
+// what came of the runs before decide it once, in one table (effort.cpp); every stage gets its part as a value.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
+
+namespace anatomesh {
+
+enum class PlaneDensity : std::uint8_t {
+    sparse,
+    dense,             // planes lie closer than two thirds of the spacing of the contours' vertices
+    dense_about_axis,  // the same, of many vertices, where all planes come together at an axis
+    crammed            // so close, or so many, that all that can be done would take several times as long
+};
+
+// Which cross-sections by the slices' planes improvement makes what is drawn there.
+enum class SectionRepair : std::uint8_t {
+    none,
+    worst_at_last,  // those that differ by more than the contract allows, after all else
+    all
+};
+
+// Lengths "in sizes" are shares of the edge length aimed at.
+struct RefinementEffort {
+    double deviation_sizes = 0.06;  // of a facet's middle from the interface. > 0
+    double crowded_sizes = 0;       // contour vertices nearer to each other may spoil cells. >= 0
+    bool to_short = true;           // ContourSubsegmentOptions::to_short
+    std::size_t last_few = 300;     // ContourSubsegmentOptions::last_few. >= 1
+};
+
+// Of segments that the Delaunay mesh does not have: see RecoveryOptions.
+struct RecoveryEffort {
+    double most_more_bad = 0;
+    double least_shape = 0;
+    std::size_t few_missing = 0;
+};
+
+struct ImprovementEffort {
+    SectionRepair sections = SectionRepair::all;
+    // More of the subsegments than this share are not brought onto the surface. 0 to 1
+    double most_off_surface = 1;
+    bool relabels_for_ratio = false;  // MeshImprovementOptions::relabels_for_ratio
+    bool closes_handles = false;      // those that no contour shows are looked for
+    double most_rerouted_sizes = 0;   // a contour segment leaves its place by no more, on the surface. >= 0
+    double most_snapped_sizes = 0;    // the same, over edges beside it. >= 0
+};
+
+struct Effort {
+    // As SliceArrangement has it; slices about an axis that have a stack count as stack_and_crossing.
+    ArrangementKind arrangement = ArrangementKind::parallel;
+    PlaneDensity density = PlaneDensity::sparse;
+    double plane_density = 0;  // plane_density()
+
+    bool reduced = false;        // shapes of cells and single segments stay as they come first
+    bool conforming = false;     // SampleOptions::conforming
+    bool fits_sections = false;  // cells are refined and relabelled to what is drawn on planes that cross
+    bool losses_wait = true;     // RelabelOptions::losses_wait
+    double growth = 0.5;         // SampleOptions::growth
+
+    // What counts as on an interface where contours come near to each other: a share of the shortest edge
+    // at a vertex (SurfaceTolerance), and RelabelOptions::near_mm in sizes.
+    double tolerance_of_edge = 0;
+    double near_sizes = 0;
+
+    RefinementEffort refinement;
+    std::optional<RecoveryEffort> recovery;  // none: segments are not recovered by exchanging cells
+    ImprovementEffort improvement;
+
+    bool is_parallel() const { return arrangement == ArrangementKind::parallel; }
+    // No two planes cross where something is drawn.
+    bool is_apart() const { return is_parallel() || arrangement == ArrangementKind::sweep; }
+    bool is_dense() const { return density != PlaneDensity::sparse; }
+    // Planes are dense, and all the same is done that is done anywhere.
+    bool is_dense_in_full() const { return is_dense() && density != PlaneDensity::crammed; }
+};
+
+// What decides the effort beside the contours.
+struct EffortRequest {
+    std::uint64_t spare_dense_above = 0;  // as in ModelOptions
+    bool size_given = false;              // by the user
+    bool may_conform = true;
+    // Runs of the same contours before that did not conform, and of these those that were refused or had
+    // ill-shaped cells.
+    std::size_t runs_before = 0, ill_shaped_before = 0;
+};
+
+// Requires: a kept contour set, its arrangement and its field. O(points)
+Effort effort_of(const ContourSet& contours, const SliceArrangement& arrangement, const StructureField& field,
+                 const EffortRequest& request);
+
+// The effort where contours of four planes or more meet in one vertex, which the sampling finds
+// (PointSample::has_pole).
+Effort effort_at_pole(Effort effort);
+
+}  // namespace anatomesh
