@@ -22,7 +22,7 @@ overlaps
 sample delaunay cull cut measure
 improve/core improve/operations improve/climb improve/sections improve/surgery improve/reroute improve/smooth improve
 measure/topology refine recover element
-pipeline/model pipeline/retry pipeline
+pipeline/model pipeline/retry pipeline/run pipeline
 uncertainty
 """.split()
 MOST_FILES, MOST_LINES = 25, 3200

@@ -15,7 +15,7 @@
 #include "anatomesh/measure/topology/topology_warnings.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
-#include "anatomesh/pipeline/model_warnings.h"
+#include "anatomesh/pipeline/model/model_warnings.h"
 #include "anatomesh_io/provenance/contours_of_model.h"
 #include "anatomesh_io/provenance/field_of_model.h"
 #include "anatomesh_io/provenance/model_description.h"

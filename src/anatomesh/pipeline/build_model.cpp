@@ -12,12 +12,12 @@
 #include "anatomesh/base/contract.h"
 #include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/measure/certificate.h"
-#include "anatomesh/pipeline/build_once.h"
-#include "anatomesh/pipeline/contour_field.h"
-#include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh/pipeline/retry/retry_for_mean_ratio.h"
+#include "anatomesh/pipeline/retry/retry_messages.h"
 #include "anatomesh/pipeline/retry/retry_policy.h"
 #include "anatomesh/pipeline/retry/thin_walls.h"
+#include "anatomesh/pipeline/run/build_once.h"
+#include "anatomesh/pipeline/run/contour_field.h"
 
 namespace anatomesh {
 
@@ -200,7 +200,7 @@ class RetryDriver {
         if (conformed && next == NextRun::same_size) config_.may_conform = false;
         config_.options.size_mm = size_mm;
         if (!conformed) {
-            ++config_.before;
+            ++config_.runs_before;
             config_.ill_shaped_before += ill_shaped;
         }
         if (!warnings_before_) warnings_before_ = known_.warnings;

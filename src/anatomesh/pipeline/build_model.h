@@ -1,20 +1,12 @@
 // build_model: from kept contours to a checked tetrahedral model, by as many runs as it takes.
 #pragma once
 
-#include <functional>
-#include <string>
-
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/pipeline/model/model.h"
+#include "anatomesh/pipeline/model/stage_observer.h"
 
 namespace anatomesh {
-
-// Called with the mesh after each stage that has one ("cull", "refine", "cut", "improve", "certificate", in
-// this order; again from the start on a further attempt): for looking and dumping. The last round is that of
-// the model that is returned; where another one was tried after it, it is built once more for that.
-using StageObserver = std::function<void(const std::string& stage, const TetMesh& mesh)>;
 
 // Requires: a kept contour set. Guarantees: the clauses of the certificate that are marked kept, checked on
 // the result itself; a broken clause is an Error of kind internal or geometry and no model. With a default

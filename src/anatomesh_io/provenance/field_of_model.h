@@ -7,7 +7,7 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/field/model/structure_field.h"
-#include "anatomesh/pipeline/contour_field.h"
+#include "anatomesh/pipeline/run/contour_field.h"
 #include "anatomesh_io/mesh/mesh_file.h"
 
 namespace anatomesh {

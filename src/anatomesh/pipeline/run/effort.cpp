@@ -1,4 +1,4 @@
-#include "anatomesh/pipeline/effort.h"
+#include "anatomesh/pipeline/run/effort.h"
 
 #include <algorithm>
 #include <array>
@@ -10,32 +10,50 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double dense_above = 1, crammed_above = 3;  // as plane_density() has it
-constexpr std::size_t few_points = 5000;              // about an axis all is done for so many
-
-// Where freehand planes lie closer than the vertices along them, contours tell the surface without more
-// points.
-constexpr double reduced_growth = 2;  // of the edge length with the depth
-// Contour vertices nearer to each other than this may spoil cells, in sizes: more where planes are denser.
-constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
-// Of the subsegments, off their surface: more are not brought there about an axis where shapes are spared.
+// Planes are dense above this plane_density(), which has the 1.5 in it. [1; > 0; D]
+constexpr double dense_above = 1;
+// Above this plane_density() all that can be done is too much. [1; > dense_above; M 2026-11 dense freehand planes]
+constexpr double crammed_above = 3;
+// About an axis all is done for so many vertices of contours. [1; > 0; M 2026-11 dense planes]
+constexpr std::size_t few_points = 5000;
+// Where freehand planes lie closer than the vertices along them, contours show the surface without more
+// points: the edge length grows by this with the depth. [mm per mm; 0 to 2; M 2026-11 dense freehand planes]
+constexpr double reduced_growth = 2;
+// Contour vertices nearer to each other than this times the density may spoil cells.
+// [sizes; 0 to 1; M 2026-11, set not recorded]
+constexpr double crowded_share = 0.08;
+// The distance of vertices that may spoil cells is at most this. [sizes; 0 to 1; M 2026-11, set not recorded]
+constexpr double most_crowded_share = 0.25;
+// About an axis a run at reduced effort brings no subsegments onto the surface if a larger share is off it.
+// [1; 0 to 1; M 2026-11, set not recorded]
 constexpr double most_off_surface_at_pole = 0.003;
-constexpr double near_share = 0.03;            // where planes cross: as RelabelOptions::near_mm, in sizes
-constexpr double tolerance_of_crossing = 0.2;  // where planes cross also in shares of the shortest edge there
+// Where planes cross, vertices less deep than this speak against no move (RelabelOptions::near_mm).
+// [sizes; 0 to 1; M 2026-11, set not recorded]
+constexpr double near_share = 0.03;
+// Where planes cross, a vertex within this share of its shortest edge lies on an interface.
+// [1; 0 to 1; M 2026-11 planes about an axis]
+constexpr double tolerance_of_crossing = 0.2;
 // Between dense planes contours leave few vertices of the surface free: more points between them are needed
-// to make the volume right.
-constexpr double dense_deviation = 0.03;  // in sizes
-// Of the cells inside, so many may come above the bound for subsegments' sake at the first runs, and
+// to make the volume right. [sizes; > 0; M 2026-11 dense freehand planes]
+constexpr double dense_deviation = 0.03;
+// Of the cells inside, such a share may come above the bound for subsegments' sake at the first runs, and
 // cells of no worse shape (cavity.h) are made; after more that were ill-shaped none.
+// [1; 0 to 1; M 2026-11, set not recorded]
 constexpr std::array<RecoveryEffort, 3> recovery_by_failures{{{0.003, 0.01}, {0.001, 0.2}, {0.001, 0.4}}};
-constexpr double least_shape_across = 0.1;  // where planes cross: worse ones are not single there
-// Subsegments that the recovery leaves no shape untried for: about an axis, and elsewhere at the first run.
+// Where planes cross, recovery makes no cells of a worse shape, which are not single there.
+// [1; 0 to 1; M 2026-11, set not recorded]
+constexpr double least_shape_across = 0.1;
+// For so many subsegments recovery leaves no shape untried: about an axis, and elsewhere at the first run.
+// [subsegments; >= 0; M 2026-11, set not recorded]
 constexpr std::size_t few_subsegments = 10;
-// Of a label map, slices far apart against its voxels lack more subsegments, where structures meet.
+// Slices of a label map, far apart against its voxels, lack more subsegments where structures meet: the last
+// few are fewer than one in so many. [1; >= 1; M 2026-11, set not recorded]
 constexpr std::size_t last_few_of_labels = 40;
-// Of a contour segment along the surface, from its place, in sizes; and where no planes cross, of which none
-// comes too near to another one.
-constexpr double most_rerouted = 0.5, most_rerouted_parallel = 0.1;
+// A contour segment leaves its place by no more, along the surface. [sizes; 0 to 1; M 2026-11, set not recorded]
+constexpr double most_rerouted = 0.5;
+// Where no planes cross it leaves its place by no more, so that none comes too near to another one.
+// [sizes; 0 to 1; M 2026-11, set not recorded]
+constexpr double most_rerouted_parallel = 0.1;
 
 // What is done for contours, by arrangement and density; nothing stands for any.
 struct EffortRow {
@@ -85,9 +103,9 @@ ArrangementKind kind_of(const SliceArrangement& arrangement) {
 }
 
 RefinementEffort refinement_effort(const ContourSet& contours, const Effort& effort,
-                                   const EffortRequest& request) {
+                                   const RunConfig& config) {
     RefinementEffort refinement;
-    refinement.to_short = request.runs_before == 0;
+    refinement.to_short = config.runs_before == 0;
     if (effort.conforming && effort.is_dense()) refinement.deviation_sizes = dense_deviation;
     if (effort.reduced)
         refinement.crowded_sizes = std::min(crowded_share * effort.plane_density, most_crowded_share);
@@ -96,11 +114,11 @@ RefinementEffort refinement_effort(const ContourSet& contours, const Effort& eff
 }
 
 // Each run that was ill-shaped allows less, the fourth nothing.
-std::optional<RecoveryEffort> recovery_effort(const Effort& effort, const EffortRequest& request) {
-    if (request.ill_shaped_before >= recovery_by_failures.size()) return std::nullopt;
-    RecoveryEffort recovery = recovery_by_failures[request.ill_shaped_before];
+std::optional<RecoveryEffort> recovery_effort(const Effort& effort, const RunConfig& config) {
+    if (config.ill_shaped_before >= recovery_by_failures.size()) return std::nullopt;
+    RecoveryEffort recovery = recovery_by_failures[config.ill_shaped_before];
     if (!effort.is_apart()) recovery.least_shape = std::max(recovery.least_shape, least_shape_across);
-    if (request.runs_before == 0) recovery.few_missing = few_subsegments;
+    if (config.runs_before == 0) recovery.few_missing = few_subsegments;
     return recovery;
 }
 
@@ -121,16 +139,16 @@ ImprovementEffort improvement_effort(const Effort& effort) {
 }  // namespace
 
 Effort effort_of(const ContourSet& contours, const SliceArrangement& arrangement, const StructureField& field,
-                 const EffortRequest& request) {
+                 const RunConfig& config) {
     Effort effort;
     effort.plane_density = plane_density(contours, arrangement, field);
-    effort.density = density_of(contours, arrangement, effort.plane_density, request.spare_dense_above);
+    effort.density =
+        density_of(contours, arrangement, effort.plane_density, config.options.spare_dense_above);
     effort.arrangement = kind_of(arrangement);
     const EffortRow& row = row_of(effort.arrangement, effort.density);
     // A user who gives a size, and a run after one that was not good enough, get all that can be done.
-    effort.reduced =
-        effort.density == PlaneDensity::crammed && request.runs_before == 0 && !request.size_given;
-    effort.conforming = row.conforms && request.may_conform;
+    effort.reduced = effort.density == PlaneDensity::crammed && config.runs_before == 0 && !config.size_given;
+    effort.conforming = row.conforms && config.may_conform;
     effort.fits_sections = row.fits_sections;
     if (effort.reduced) effort.growth = reduced_growth;
     // Contours of planes that cross come so near to each other that a share of the size is far there.
@@ -138,8 +156,8 @@ Effort effort_of(const ContourSet& contours, const SliceArrangement& arrangement
         effort.tolerance_of_edge = tolerance_of_crossing;
         effort.near_sizes = near_share;
     }
-    effort.refinement = refinement_effort(contours, effort, request);
-    if (row.recovers) effort.recovery = recovery_effort(effort, request);
+    effort.refinement = refinement_effort(contours, effort, config);
+    if (row.recovers) effort.recovery = recovery_effort(effort, config);
     effort.improvement = improvement_effort(effort);
     return effort;
 }

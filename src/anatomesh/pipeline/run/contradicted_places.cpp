@@ -1,4 +1,4 @@
-#include "anatomesh/pipeline/contradicted_places.h"
+#include "anatomesh/pipeline/run/contradicted_places.h"
 
 #include <algorithm>
 #include <cassert>

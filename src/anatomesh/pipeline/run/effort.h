@@ -10,6 +10,7 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/pipeline/retry/run_config.h"
 #include "anatomesh/slices/arrangement/slice_arrangement.h"
 
 namespace anatomesh {
@@ -28,12 +29,15 @@ enum class SectionRepair : std::uint8_t {
     all
 };
 
+// The middle of an interface facet lies at most so far from the interface. [sizes; > 0; M 2026-11, set not recorded]
+inline constexpr double surface_deviation = 0.06;
+
 // Lengths "in sizes" are shares of the edge length aimed at.
 struct RefinementEffort {
-    double deviation_sizes = 0.06;  // of a facet's middle from the interface. > 0
-    double crowded_sizes = 0;       // contour vertices nearer to each other may spoil cells. >= 0
-    bool to_short = true;           // ContourSubsegmentOptions::to_short
-    std::size_t last_few = 300;     // ContourSubsegmentOptions::last_few. >= 1
+    double deviation_sizes = surface_deviation;  // > 0
+    double crowded_sizes = 0;    // contour vertices nearer to each other may spoil cells. >= 0
+    bool to_short = true;        // ContourSubsegmentOptions::to_short
+    std::size_t last_few = 300;  // ContourSubsegmentOptions::last_few. >= 1
 };
 
 // Of segments that the Delaunay mesh does not have: see RecoveryOptions.
@@ -82,19 +86,9 @@ struct Effort {
     bool is_dense_in_full() const { return is_dense() && density != PlaneDensity::crammed; }
 };
 
-// What decides the effort beside the contours.
-struct EffortRequest {
-    std::uint64_t spare_dense_above = 0;  // as in ModelOptions
-    bool size_given = false;              // by the user
-    bool may_conform = true;
-    // Runs of the same contours before that did not conform, and of these those that were refused or had
-    // ill-shaped cells.
-    std::size_t runs_before = 0, ill_shaped_before = 0;
-};
-
 // Requires: a kept contour set, its arrangement and its field. O(points)
 Effort effort_of(const ContourSet& contours, const SliceArrangement& arrangement, const StructureField& field,
-                 const EffortRequest& request);
+                 const RunConfig& config);
 
 // The effort where contours of four planes or more meet in one vertex, which the sampling finds
 // (PointSample::has_pole).

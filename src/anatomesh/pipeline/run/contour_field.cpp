@@ -1,4 +1,4 @@
-#include "anatomesh/pipeline/contour_field.h"
+#include "anatomesh/pipeline/run/contour_field.h"
 
 #include <utility>
 

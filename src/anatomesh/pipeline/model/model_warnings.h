@@ -11,7 +11,6 @@
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
-#include "anatomesh/pipeline/retry/retry_policy.h"
 
 namespace anatomesh {
 
@@ -50,12 +49,5 @@ std::string advice_on_size(const std::vector<double>& thickness, double size_mm,
 // Of a model for the shapes of which less was done than can be, W-PIP-005: what that left.
 void warn_of_constraint_limited_cells(const ModelReport& report, const std::string& file,
                                       RunContext& context);
-
-// Of a model that is built again, W-PIP-001: why, and with what edge length. `error`: its message where there
-// is no model, else empty. Requires: next is not none.
-Warning built_again(NextRun next, const RunScore& score, const std::string& error, double size_mm);
-
-// What is tried next and for what sake, of a model that keeps the contract.
-std::string sought_by(NextRun next, const RunScore& score);
 
 }  // namespace anatomesh

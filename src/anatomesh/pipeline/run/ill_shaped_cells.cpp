@@ -1,4 +1,4 @@
-#include "anatomesh/pipeline/ill_shaped_cells.h"
+#include "anatomesh/pipeline/run/ill_shaped_cells.h"
 
 #include <cmath>
 #include <numbers>

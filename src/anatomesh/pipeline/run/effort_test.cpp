@@ -1,4 +1,4 @@
-#include "anatomesh/pipeline/effort.h"
+#include "anatomesh/pipeline/run/effort.h"
 
 #include <gtest/gtest.h>
 
@@ -17,8 +17,15 @@ bool is_crammed(const Effort& effort) {
     return effort.density == PlaneDensity::crammed;
 }
 
+RunConfig config_with(std::uint64_t spare_dense_above, std::size_t failures = 0) {
+    RunConfig config;
+    config.options.spare_dense_above = spare_dense_above;
+    config.runs_before = config.ill_shaped_before = failures;
+    return config;
+}
+
 // A ball on planes with these normals, which go through its centre, or are so far from it.
-Effort of_ball(const std::vector<Vec3>& normals, int corners, const EffortRequest& request,
+Effort of_ball(const std::vector<Vec3>& normals, int corners, const RunConfig& config,
                const std::vector<double>& heights = {}) {
     RawContours raw;
     raw.structures.push_back({1, "ball", {}});
@@ -41,12 +48,12 @@ Effort of_ball(const std::vector<Vec3>& normals, int corners, const EffortReques
     RunContext context;
     const auto field = make_structure_field(set, {}, context);
     EXPECT_TRUE(field.ok());
-    return effort_of(set, arrangement_of(set), *field.value(), request);
+    return effort_of(set, arrangement_of(set), *field.value(), config);
 }
 
 Effort of_ball(const std::vector<Vec3>& normals, int corners, std::uint64_t spare_dense_above,
                const std::vector<double>& heights = {}) {
-    return of_ball(normals, corners, EffortRequest{.spare_dense_above = spare_dense_above}, heights);
+    return of_ball(normals, corners, config_with(spare_dense_above), heights);
 }
 
 std::vector<Vec3> about_an_axis(int planes) {
@@ -109,14 +116,15 @@ TEST(Effort, of_many_that_are_dense_not_all_is_done) {
 // What a run leaves out for time it does where the user chose the size, and after a run that was not enough.
 TEST(Effort, is_reduced_at_the_first_run_with_a_default_size_alone) {
     const std::vector<Vec3> normals = about_an_axis(16);
-    const Effort first = of_ball(normals, 20, EffortRequest{});
+    const Effort first = of_ball(normals, 20, config_with(0));
     EXPECT_TRUE(first.reduced);
     EXPECT_EQ(first.improvement.sections, SectionRepair::none);
     EXPECT_GT(first.growth, Effort{}.growth);
     EXPECT_GT(first.refinement.crowded_sizes, 0);
-    for (const EffortRequest& request :
-         {EffortRequest{.size_given = true}, EffortRequest{.runs_before = 1}}) {
-        const Effort full = of_ball(normals, 20, request);
+    RunConfig of_user = config_with(0);
+    of_user.size_given = true;
+    for (const RunConfig& config : {of_user, config_with(0, 1)}) {
+        const Effort full = of_ball(normals, 20, config);
         EXPECT_FALSE(full.reduced);
         EXPECT_EQ(full.improvement.sections, SectionRepair::all);
         EXPECT_EQ(full.growth, Effort{}.growth);
@@ -126,8 +134,9 @@ TEST(Effort, is_reduced_at_the_first_run_with_a_default_size_alone) {
 }
 
 TEST(Effort, what_may_not_conform_does_not_but_fits_sections) {
-    const Effort effort =
-        of_ball(about_an_axis(6), 60, EffortRequest{.spare_dense_above = any_number, .may_conform = false});
+    RunConfig config = config_with(any_number);
+    config.may_conform = false;
+    const Effort effort = of_ball(about_an_axis(6), 60, config);
     EXPECT_FALSE(effort.conforming);
     EXPECT_TRUE(effort.fits_sections && effort.recovery);
 }
@@ -136,10 +145,7 @@ TEST(Effort, recovery_costs_less_after_each_run_that_was_ill_shaped) {
     const std::vector<Vec3> normals = about_an_axis(6);
     double most_more_bad = 1, least_shape = 0;
     for (std::size_t failures = 0; failures < 3; ++failures) {
-        const Effort effort = of_ball(
-            normals, 60,
-            EffortRequest{
-                .spare_dense_above = any_number, .runs_before = failures, .ill_shaped_before = failures});
+        const Effort effort = of_ball(normals, 60, config_with(any_number, failures));
         ASSERT_TRUE(effort.recovery);
         EXPECT_LE(effort.recovery->most_more_bad, most_more_bad);
         EXPECT_GE(effort.recovery->least_shape, least_shape);
@@ -148,10 +154,7 @@ TEST(Effort, recovery_costs_less_after_each_run_that_was_ill_shaped) {
         most_more_bad = effort.recovery->most_more_bad;
         least_shape = effort.recovery->least_shape;
     }
-    EXPECT_FALSE(
-        of_ball(normals, 60,
-                EffortRequest{.spare_dense_above = any_number, .runs_before = 3, .ill_shaped_before = 3})
-            .recovery);
+    EXPECT_FALSE(of_ball(normals, 60, config_with(any_number, 3)).recovery);
 }
 
 TEST(Effort, at_a_pole_the_worst_sections_are_repaired_alone) {
@@ -159,7 +162,7 @@ TEST(Effort, at_a_pole_the_worst_sections_are_repaired_alone) {
     EXPECT_EQ(across.improvement.sections, SectionRepair::all);
     EXPECT_EQ(effort_at_pole(across).improvement.sections, SectionRepair::worst_at_last);
     EXPECT_FALSE(effort_at_pole(across).losses_wait);
-    const Effort reduced = of_ball(about_an_axis(16), 20, EffortRequest{});
+    const Effort reduced = of_ball(about_an_axis(16), 20, config_with(0));
     EXPECT_EQ(effort_at_pole(reduced).improvement.sections, SectionRepair::none);
     EXPECT_LT(effort_at_pole(reduced).improvement.most_off_surface, 1);
     const Effort parallel = of_ball(std::vector<Vec3>(3, {0, 0, 1}), 40, any_number, {-6, 0, 6});

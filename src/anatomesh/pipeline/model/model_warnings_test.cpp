@@ -1,4 +1,4 @@
-#include "anatomesh/pipeline/model_warnings.h"
+#include "anatomesh/pipeline/model/model_warnings.h"
 
 #include <gtest/gtest.h>
 
@@ -129,22 +129,6 @@ TEST(ModelWarnings, a_volume_between_slices_that_is_not_what_is_drawn) {
     EXPECT_EQ(context.warnings[0].place.structure, "organ");
     EXPECT_EQ(context.warnings[1].place.structure, "7");
     EXPECT_EQ(context.warnings[1].place.value, "94 of 100 mm3");
-}
-
-TEST(ModelWarnings, a_model_built_again_says_why_and_how) {
-    RunScore score;
-    const Warning refused = built_again(NextRun::finer, score, "clause 6 is broken (12 % of 3)", 1.5);
-    EXPECT_EQ(refused.code, "W-PIP-001");
-    EXPECT_NE(refused.message.find("too long for the smallest parts: clause 6 is broken"), std::string::npos);
-    EXPECT_EQ(refused.message.find("12 %"), std::string::npos) << "figures of a model that nobody gets";
-    score.conformed_badly = true;
-    EXPECT_NE(
-        built_again(NextRun::same_size, score, "", 1.5).message.find("without a reason in the contours"),
-        std::string::npos);
-    EXPECT_EQ(sought_by(NextRun::same_size, score),
-              "another way to build it for the sake of ill-shaped tetrahedra");
-    score.torn = true;
-    EXPECT_EQ(sought_by(NextRun::finer, score), "a shorter edge length for the sake of torn walls");
 }
 
 // Single tetrahedra in a row, each of a region.

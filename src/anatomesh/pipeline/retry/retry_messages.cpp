@@ -1,0 +1,27 @@
+#include "anatomesh/pipeline/retry/retry_messages.h"
+
+#include "anatomesh/contour/model/message_text.h"
+
+namespace anatomesh {
+
+Warning built_again(NextRun next, const RunScore& score, const std::string& error, double size_mm) {
+    // Of a message up to the figures, which are of a model that nobody gets.
+    const std::string reason = !error.empty() ? error.substr(0, error.find(" ("))
+                               : score.torn   ? "a thin wall had holes"
+                               : score.conformed_badly
+                                   ? "a tetrahedron had a bad shape without a reason in the contours"
+                                   : "too many tetrahedra had a radius-edge ratio above 2";
+    return {"W-PIP-001",
+            (next != NextRun::finer ? "the run before did not meet the certificate: "
+                                    : "the default edge length was too long for the smallest parts: ") +
+                reason,
+            {},
+            "the model was built again with edges of " + brief(size_mm) + " mm"};
+}
+
+std::string sought_by(NextRun next, const RunScore& score) {
+    return std::string(next != NextRun::same_size ? "a shorter edge length" : "another way to build it") +
+           " for the sake of " + (score.torn ? "torn walls" : "ill-shaped tetrahedra");
+}
+
+}  // namespace anatomesh
