@@ -8,14 +8,9 @@
 #include <string>
 
 #include "anatomesh/base/plural.h"
-#include "anatomesh/element/quadratic.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/measure/certificate.h"
-#include "anatomesh/measure/contour_fidelity.h"
-#include "anatomesh/measure/topology/topology_warnings.h"
-#include "anatomesh/mesh/check/topology.h"
-#include "anatomesh/mesh/edit/facets.h"
-#include "anatomesh/pipeline/model/model_warnings.h"
+#include "anatomesh/pipeline/check_model.h"
 #include "anatomesh_io/provenance/contours_of_model.h"
 #include "anatomesh_io/provenance/field_of_model.h"
 #include "anatomesh_io/provenance/model_description.h"
@@ -114,50 +109,6 @@ Result<ModelFile> model_to_check(const CheckOptions& options, Session& session) 
                  "the file holds a surface, which has no tetrahedra to check",
                  {options.model, "", "", "", ""},
                  "give a model: .vtu, .msh, .mesh or .inp"};
-}
-
-// Quadratic elements that may be folded: warned of, for the contract is about the elements with straight
-// edges.
-void look_at_jacobians(const std::string& path, const ModelFile& model, RunContext& context) {
-    std::uint64_t bad = 0, first = 0;
-    for (std::size_t c = 0; c < model.mid_nodes.cells.size(); ++c) {
-        if (least_jacobian(element_of(model.mesh, model.mid_nodes, c)) > 0) continue;
-        if (bad++ == 0) first = c + 1;
-    }
-    if (bad == 0) return;
-    context.warn(
-        {"W-ELM-002",
-         counted(bad, "quadratic element has", "quadratic elements have") +
-             " a Jacobian that may not be positive everywhere, so that a solver may refuse the model",
-         {path, "", "", "", fmt::format("element {}", first)},
-         "they were kept"});
-}
-
-// Of surfaces that are closed: of others nothing can be said.
-void look_for_tears(const ModelFile& model, const ContourSet& contours, const ModelReport& report,
-                    double size_mm, RunContext& context) {
-    if (report.structures.empty() ||
-        std::any_of(report.certificate.begin(), report.certificate.end(), [](const Clause& clause) {
-            return clause.number == 3 && clause.state == ClauseState::broken;
-        }))
-        return;
-    const TetMesh& mesh = model.mesh;
-    const RegionTable& regions = model.description.regions;
-    const std::vector<std::uint32_t> neighbors =
-        cell_neighbors(mesh.cells, mesh.points.size(), context.threads);
-    std::vector<std::size_t> structure_of;
-    std::vector<std::vector<Triangle>> surfaces(contours.structures.size());
-    for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-        structure_of.push_back(matching_structure(contours.structures, s, model.description.structures));
-        if (structure_of[s] < report.structures.size())
-            surfaces[s] = structure_surface(mesh, neighbors, regions,
-                                            static_cast<std::uint32_t>(structure_of[s]), context.threads);
-    }
-    const std::vector<std::uint32_t> vertex_of = contour_fidelity(mesh.points, surfaces, contours).vertex_of;
-    const TopologyFindings tears = check_topology(
-        {mesh, neighbors, regions, report.structures, contours, structure_of, vertex_of, size_mm},
-        context.threads);
-    warn_of_topology(tears, contours, size_mm, context);
 }
 
 // Walls as the model's file says that they were shared, but where the user says else.
@@ -282,13 +233,10 @@ Status run_check(CheckOptions options, Session& session) {
         input.field_note = field.note;
         report.end_caps = field.caps;
     }
-    measure_model(input, session.context, report);
-    report.size_mm = size_of(model.description).value_or(0);
-    const double size_mm = report.size_mm > 0 ? report.size_mm : report.quality.edge_mean_mm;
-    warn_of_model(report, size_mm, options.contours.input, session.context);
-    if (contours)
-        look_for_tears(model, on_surface ? *on_surface : contours->kept, report, size_mm, session.context);
-    look_at_jacobians(options.model, model, session.context);
+    check_model(
+        input,
+        {size_of(model.description).value_or(0), &model.mid_nodes, options.contours.input, options.model},
+        session.context, report);
     report.version = ANATOMESH_VERSION;
     report.command = quoted_command(session.words);
     report.space = model.description.space;

@@ -1,13 +1,11 @@
 #include "element_options.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <utility>
 
-#include "anatomesh/base/plural.h"
-#include "anatomesh/element/grey.h"
+#include "anatomesh/pipeline/grey_of_model.h"
 #include "anatomesh_io/mesh/material_file.h"
 #include "help_text.h"
 #include "option_values.h"
@@ -41,24 +39,12 @@ Status add_grey(ModelFile& model, const InputOptions& image, bool again, Session
                      {image.input, "", "", "", ""},
                      "give the image that the model was made from"};
     }
-    ANATOMESH_TRY(GreyResult grey, grey_values(model.mesh, opened.image->image, {}, session.context));
-    const GreyStats& stats = grey.stats;
-    if (stats.cells_outside > 0) {
-        session.context.warn({"W-ELM-001",
-                              fmt::format("{} outside the image",
-                                          counted(stats.cells_outside, "tetrahedron lies", "tetrahedra lie")),
-                              {image.input, "", "", "", ""},
-                              "they got the values of the nearest voxels"});
-    }
+    ANATOMESH_TRY(GreyOfModel grey,
+                  grey_of_model(model.mesh, opened.image->image, image.input, session.context));
     model.grey = std::move(grey.values);
     if (!again) done.files.insert(done.files.end(), opened.files.begin(), opened.files.end());
     StageReport stage = stage_of("grey", start, model);
-    stage.figures = {{"samples", static_cast<double>(stats.samples)},
-                     {"cells_outside", static_cast<double>(stats.cells_outside)},
-                     {"cells_cut", static_cast<double>(stats.cells_cut)},
-                     {"low", stats.low},
-                     {"high", stats.high},
-                     {"mean", stats.mean}};
+    stage.figures = std::move(grey.stage.figures);
     done.stages.push_back(std::move(stage));
     return Nothing{};
 }

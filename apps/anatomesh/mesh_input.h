@@ -7,6 +7,7 @@
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh_io/mesh/mesh_file.h"
+#include "anatomesh_io/mesh/surface_of_model.h"
 #include "limits.h"
 
 namespace anatomesh {
@@ -24,8 +25,7 @@ Result<MeshInput> read_mesh(const std::string& path, const Limits& limits, RunCo
 // content, which begins with ..., is of no known kind".
 std::string unknown_content(const std::string& path);
 
-// The surface of a model: every interface between two regions; a surface as it is.
+// The surface of a model (surface_of_model.h); a surface as it is.
 SurfaceFile surface_of(const MeshInput& input);
-SurfaceFile surface_of(const ModelFile& model);
 
 }  // namespace anatomesh
