@@ -10,7 +10,7 @@
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 #include "anatomesh/reconcile/reconcile.h"
 
-namespace anatomesh::dense_planes {
+namespace anatomesh::dense_plane_sets {
 
 inline constexpr double radius = 20;
 
@@ -66,4 +66,4 @@ inline ContourSet turned(int planes, int corners) {
     return std::move(reconcile_contours(fixtures::kept(raw), {}, context).value().kept);
 }
 
-}  // namespace anatomesh::dense_planes
+}  // namespace anatomesh::dense_plane_sets

@@ -16,7 +16,7 @@ namespace anatomesh::dense_planes_test {
 namespace {
 
 using namespace fixtures;
-using namespace dense_planes;
+using namespace dense_plane_sets;
 
 // As sets of many vertices are built.
 Result<Model> build_spared(const ContourSet& set, RunContext& context) {

@@ -141,11 +141,11 @@ TEST(SnapRoundSegments, leaves_no_segment_of_dense_planes_missed) {
         std::uint64_t spare_above;
     };
     constexpr std::uint64_t all_done = 1'000'000, spared = 0;
-    const std::vector<Case> cases{{"a sweep", dense_planes::sweep(30, 40), all_done},
-                                  {"a spared sweep", dense_planes::sweep(120, 60), spared},
-                                  {"a dense spared sweep", dense_planes::sweep(240, 60), spared},
-                                  {"about an axis", dense_planes::turned(20, 30), all_done},
-                                  {"spared, about an axis", dense_planes::turned(40, 60), spared}};
+    const std::vector<Case> cases{{"a sweep", dense_plane_sets::sweep(30, 40), all_done},
+                                  {"a spared sweep", dense_plane_sets::sweep(120, 60), spared},
+                                  {"a dense spared sweep", dense_plane_sets::sweep(240, 60), spared},
+                                  {"about an axis", dense_plane_sets::turned(20, 30), all_done},
+                                  {"spared, about an axis", dense_plane_sets::turned(40, 60), spared}};
     std::size_t missed_in_all = 0;
     for (const auto& [name, set, spare_above] : cases) {
         SCOPED_TRACE(name);
@@ -273,7 +273,7 @@ TEST(SnapRoundSegments, never_makes_contours_touch) {
 // A ball in two halves that share a wall, by dense planes.
 ContourSet halves(int planes, int corners) {
     random_solids::Random random(9);
-    constexpr double radius = dense_planes::radius;
+    constexpr double radius = dense_plane_sets::radius;
     RawContours raw;
     raw.structures = {{1, "left", {}}, {2, "right", {}}};
     for (int k = 0; k < planes; ++k) {

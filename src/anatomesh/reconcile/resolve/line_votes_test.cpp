@@ -232,7 +232,7 @@ TEST(SharedPoints, are_those_of_most_slices_where_few_end_elsewhere) {
         for (std::uint32_t k = 0; k < set.contours[4].point_count; ++k)
             set.points[set.contours[4].first_point + k] = scale * set.points[set.contours[4].first_point + k];
         const std::vector<LineComparison> comparisons = compare(set);
-        insert_shared_points(set, comparisons, 1, std::vector<bool>(set.points.size(), false));
+        insert_shared_points(set, comparisons, std::vector<bool>(set.points.size(), false));
         int shared = 0;
         for (const double z : {-radius, radius}) {
             std::vector<Vec3> on_axis;
