@@ -220,8 +220,7 @@ TEST(Trace, slices_kept_where_nothing_is_labelled_are_told_from_an_empty_image) 
     const auto traced = trace_contours(map, nullptr, 0, options, context);
     ASSERT_FALSE(traced.ok());
     EXPECT_EQ(traced.error().code, "E-TRC-001");
-    EXPECT_EQ(traced.error().message,
-              "nothing to trace: no voxel is labelled in the 2 of 5 slices that are kept");
+    EXPECT_EQ(traced.error().message, "no voxel belongs to a structure in the 2 of 5 slices that are used");
     EXPECT_EQ(traced.error().next_step, "give a smaller --every or another --offset");
     options.offset = 2;
     EXPECT_TRUE(trace_contours(map, nullptr, 0, options, context).ok());

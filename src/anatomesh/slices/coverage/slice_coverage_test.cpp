@@ -182,7 +182,13 @@ TEST(SliceCoverage, a_level_of_nested_structures_says_nothing_of_slices_that_it_
     set.exclusive = true;
     OverlappingContours all;
     const std::vector<std::uint32_t> outer{0, 1, 3, 4}, inner{2};
-    for (const auto& own : {outer, inner}) all.levels.push_back(chosen_slices(set, own));
+    for (const auto& own : {outer, inner}) {
+        ContourSet level = chosen_slices(set, own);
+        // A level holds its own structures alone.
+        level.structures = {set.structures[all.levels.size()]};
+        for (Contour& contour : level.contours) contour.structure = 0;
+        all.levels.push_back(std::move(level));
+    }
     all.slices = {outer, inner};
     set.overlapping = std::make_shared<const OverlappingContours>(std::move(all));
     RunContext context;
