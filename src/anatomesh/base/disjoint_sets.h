@@ -7,8 +7,8 @@
 
 namespace anatomesh {
 
-// Sets of numbers that are joined pair by pair (union by smaller root, path halving): the root of a set is
-// its smallest member, whatever the order of the joins.
+// The root of a set is its smallest member, whatever the order of the joins. Union is by smaller root, with path halving
+// (Tarjan and van Leeuwen, J. ACM 31, 1984).
 class DisjointSets {
   public:
     explicit DisjointSets(std::size_t count) : parent_(count) {

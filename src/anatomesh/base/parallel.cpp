@@ -51,8 +51,8 @@ void run_pieces(std::size_t count, std::size_t grain, int threads, Waiting waiti
     } else if (waiting == Waiting::helps_all && !in_piece) {
         loop();  // nothing but these pieces and the loops inside them is there to be helped with
     } else {
-        // On all cores, or in a task: no arena is made, which costs as much as a short loop, and threads that
-        // have nothing left to do outside help; those at work here take nothing from outside while they wait.
+        // On all cores, or in a task, no arena is made, because it costs as much as a short loop. Threads that have
+        // nothing left to do outside help. Those at work here take nothing from outside while they wait.
         tbb::this_task_arena::isolate(loop);
     }
 }

@@ -11,8 +11,8 @@
 
 namespace anatomesh {
 
-// Those of `all` for which choose(number) holds, in their order. Requires: choose may be called by several
-// threads at the same time. Complexity: linear.
+// Returns those of `all` for which choose(number) holds, in their order. Requires: several threads may call choose at the
+// same time. Complexity: linear.
 template <class Choose>
 std::vector<std::uint32_t> parallel_filter(const std::vector<std::uint32_t>& all, int threads,
                                            const Choose& choose) {

@@ -10,7 +10,7 @@ inline std::string counted(std::uint64_t count, const std::string& one, const st
     return std::to_string(count) + " " + (count == 1 ? one : several);
 }
 
-// Nouns that end in s when there are several.
+// This is for nouns that end in s when there are several.
 inline std::string counted(std::uint64_t count, const std::string& one) {
     return counted(count, one, one + "s");
 }

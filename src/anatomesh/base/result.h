@@ -12,7 +12,7 @@
 
 namespace anatomesh {
 
-// What kind of wrong it was; the numbers are the exit codes of the command line.
+// The kind of an error; the numbers are the exit codes of the command line.
 enum class ErrorKind : int {
     usage = 2,       // the command, an option or its value
     input = 3,       // the content of an input
@@ -23,7 +23,7 @@ enum class ErrorKind : int {
     cancelled = 130  // stopped by the user
 };
 
-// Where in the input. Empty fields are unknown or do not apply.
+// A place in the input. Empty fields are unknown or do not apply.
 struct Place {
     std::string file;       // as the user named it
     std::string slice;      // "12", or "z = 34.5 mm"
@@ -32,7 +32,7 @@ struct Place {
     std::string value;      // the offending value as text
 };
 
-// Bad data. `code` is stable and documented (E-<room>-<nnn>, as in "E-RTS-005").
+// What was wrong with the data. `code` is stable and documented (E-<room>-<nnn>, as in "E-RTS-005").
 struct Error {
     ErrorKind kind = ErrorKind::internal;
     std::string code;
@@ -49,7 +49,7 @@ struct Warning {
     std::string what_was_done;
 };
 
-// "E-RTS-005 liver.dcm, structure GTV, contour 17: 3 values expected ... (next: ...)". One line.
+// Returns one line: "E-RTS-005 liver.dcm, structure GTV, contour 17: 3 values expected ... (next: ...)".
 std::string to_line(const Error& error);
 std::string to_line(const Warning& warning);
 

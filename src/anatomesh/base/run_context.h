@@ -1,4 +1,4 @@
-// RunContext: what a stage gets besides its input: threads, cancellation, progress, and a place for warnings.
+// RunContext: a stage gets this besides its input: threads, cancellation, progress, and a place for warnings.
 #pragma once
 
 #include <atomic>
@@ -10,11 +10,11 @@
 
 namespace anatomesh {
 
-// One per run, handed by reference to every stage. Not thread-safe but for cancelled(): stages warn and report
-// progress from the thread that called them, so that warnings come in the same order at any thread count.
+// A run has one, and hands it by reference to every stage. Only cancelled() is thread-safe. Stages warn and report
+// progress from the thread that called them, so warnings come in the same order for any number of threads.
 class RunContext {
   public:
-    // Called with the stage's name and the share done, 0 to 1. Never called from two threads at once.
+    // It is called with the stage's name and the share done, 0 to 1, and never from two threads at once.
     using Progress = std::function<void(const std::string& stage, double share)>;
 
     int threads = 1;                            // at least 1

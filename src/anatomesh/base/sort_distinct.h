@@ -1,4 +1,4 @@
-// Lists made rising, each entry once.
+// sort_distinct: makes a list rising, and keeps each entry once.
 #pragma once
 
 #include <algorithm>
@@ -17,10 +17,11 @@ void sort_distinct(std::vector<T>& list) {
     list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
-// Sorts the numbers, and keeps each once. Requires: all below `bound`. Complexity: O(n log n) where they are
-// few for the bound; else O(n + bound / 64), by a bit for each number there may be.
+// Sorts the numbers, and keeps each once. Requires: all are below `bound`. Complexity: O(n log n) where they are few
+// compared with the bound; else O(n + bound / 64), with a bit for each number that there may be.
 inline void sort_distinct(std::vector<std::uint32_t>& numbers, std::size_t bound) {
-    constexpr std::size_t words_a_number = 32;  // with more of them to look through, sorting is faster
+    // If each number costs more words than this to look through, sorting is faster. [words; > 0; B]
+    constexpr std::size_t words_a_number = 32;
     assert(std::all_of(numbers.begin(), numbers.end(), [&](std::uint32_t n) { return n < bound; }));
     const std::size_t words = (bound + 63) / 64;
     if (words_a_number * numbers.size() < words) {

@@ -6,10 +6,10 @@
 
 namespace anatomesh {
 
-// ASCII letters to lower case; every other byte unchanged.
+// Returns the text with ASCII letters in lower case and every other byte unchanged.
 std::string lower_case(std::string_view text);
 
-// The same, and blanks and tabs left out.
+// Returns the same without blanks and tabs.
 std::string lowered_without_blanks(std::string_view text);
 
 }  // namespace anatomesh

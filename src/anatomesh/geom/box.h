@@ -44,7 +44,7 @@ struct Box3 {
     double diagonal() const { return empty() ? 0.0 : length(high - low); }
 };
 
-// Whether they have a point in common, of their faces too.
+// Whether the boxes have a point in common; their faces belong to them.
 inline bool meet(const Box3& p, const Box3& q) {
     return p.low.x <= q.high.x && q.low.x <= p.high.x && p.low.y <= q.high.y && q.low.y <= p.high.y &&
            p.low.z <= q.high.z && q.low.z <= p.high.z;

@@ -1,4 +1,4 @@
-// ParallelPlanes: planes of one normal, and where a point lies among them.
+// ParallelPlanes: planes of one normal, and the place of a point among them.
 #pragma once
 
 #include <algorithm>
@@ -10,12 +10,13 @@
 namespace anatomesh {
 
 struct ParallelPlanes {
-    Plane frame;                  // of their normal
+    Plane frame;                  // has their normal
     std::vector<double> heights;  // above it, rising; mm
 
-    // How many planes lie below the height. O(1) where the planes are nearly even, else O(log planes).
+    // Returns how many planes lie below the height. O(1) where the planes are nearly even, else O(log planes).
     std::uint32_t count_below(double height) const {
-        constexpr std::uint32_t most_steps = 8;  // from the guess; beyond it bisection is faster. > 0
+        // Farther from the guess than this bisection is faster. [planes; > 0; B]
+        constexpr std::uint32_t most_steps = 8;
         const auto count = static_cast<std::uint32_t>(heights.size());
         if (count == 0) return 0;
         // The guess takes the planes as even; two comparisons of heights prove it or lead on.
@@ -29,8 +30,8 @@ struct ParallelPlanes {
                                           heights.begin());
     }
 
-    // 2 k + 1 for a point that is within the tolerance of the k-th plane, 2 k for one below that and above
-    // the one before. Complexity: as count_below().
+    // Returns 2 k + 1 for a point within the tolerance of the k-th plane, and 2 k for one below it and above the plane
+    // before. Complexity: as count_below().
     std::uint32_t level(Vec3 p, double tolerance_mm) const {
         const double height = frame.signed_distance(p);
         const std::uint32_t above = count_below(height);

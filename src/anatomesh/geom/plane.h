@@ -15,8 +15,8 @@ struct Plane {
     double signed_distance(Vec3 p) const { return dot(p - origin, normal); }
 };
 
-// The plane through `origin` with the given normal (any length but 0). The frame depends on the normal alone:
-// u is the axis least aligned with the normal, made orthogonal; for normal (0, 0, 1) u = x and v = y exactly.
+// Returns the plane through `origin` with the given normal, of any length but 0. The frame depends on the normal alone:
+// u is the axis least aligned with the normal, made orthogonal. For normal (0, 0, 1), u = x and v = y exactly.
 Plane make_plane(Vec3 origin, Vec3 normal);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-// Planes that cross each other, and what of them belongs to a tetrahedron.
+// Planes that cross each other, and their sections through a tetrahedron.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +20,9 @@ struct CrossingPlanes {
     bool empty() const { return planes.empty(); }
 };
 
-// Where a plane passes through a tetrahedron, or a facet that lies in it.
+// The section of a plane through a tetrahedron, or a facet that lies in the plane.
 struct PlaneSection {
-    static constexpr int no_facet = 4;
+    static constexpr int no_facet = 4;  // A tetrahedron has the facets 0 to 3. [facet; 4; D]
 
     double area = 0;       // mm^2; 0: there is none
     Vec3 middle;           // the mean of its corners
@@ -33,11 +33,11 @@ inline double triangle_area(Vec3 a, Vec3 b, Vec3 c) {
     return 0.5 * length(cross(b - a, c - a));
 }
 
-// `heights`: of the corners above the plane, mm; 0 of those that lie in it.
+// `heights` are those of the corners above the plane, in mm, and 0 for corners that lie in it.
 PlaneSection section_at(const std::array<Vec3, 4>& corners, const std::array<double, 4>& heights);
 
-// Calls visit(number of the plane, section) for each plane that does not end before the middle of its
-// section, by rising numbers. O(planes).
+// Calls visit(number of the plane, section) for each plane whose extent holds the middle of its section, by rising
+// numbers. O(planes).
 template <class Visit>
 void for_each_section(const std::array<Vec3, 4>& corners, const CrossingPlanes& crossing,
                       const Visit& visit) {

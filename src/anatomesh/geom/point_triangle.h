@@ -1,17 +1,17 @@
-// Distance of a point from a triangle or a segment.
+// The distance of a point from a triangle or a segment.
 #pragma once
 
 #include "anatomesh/geom/vec.h"
 
 namespace anatomesh {
 
-// From p to the closed triangle (a, b, c), which may be degenerate, in the units of the coordinates (the
-// first: squared). Not exact: rounded. Complexity: O(1). Follows: Ericson, Real-Time Collision Detection,
+// Both give the distance from p to the closed triangle (a, b, c), which may be degenerate, in the units of the
+// coordinates; the first gives its square. The result is rounded. O(1). Source: Ericson, Real-Time Collision Detection,
 // 2005, section 5.1.5.
 double point_triangle_squared_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
 double point_triangle_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
 
-// The same from the closed segment (a, b), whose ends may be equal.
+// Returns the same for the closed segment (a, b), whose ends may be equal.
 double point_segment_distance(Vec3 p, Vec3 a, Vec3 b);
 
 }  // namespace anatomesh

@@ -11,8 +11,9 @@ namespace anatomesh {
 
 namespace {
 
-// The unit roundoff of a double, and more than what the few products of a determinant may lose to underflow.
+// The unit roundoff of a double. [1; > 0; D]
 constexpr double roundoff = 0x1p-53;
+// The few products of a determinant lose less than this to underflow. [1; > 0; D]
 constexpr double underflow = 0x1p-1070;
 
 Vec3 larger(Vec3 a, Vec3 b) {
@@ -62,9 +63,8 @@ int in_sphere(Vec3 a, Vec3 b, Vec3 c, Vec3 d, Vec3 e) {
 
 int in_perturbed_sphere(Vec3 a, Vec3 b, Vec3 c, Vec3 d, Vec3 e) {
     if (const int sign = in_sphere(a, b, c, d, e)) return sign;
-    // Point i, raised on the paraboloid by epsilon_i, changes the determinant by epsilon_i times an
-    // orientation: the largest epsilon whose factor is not zero decides. Raising e itself takes it out of the
-    // sphere.
+    // Point i, raised on the paraboloid by epsilon_i, changes the determinant by epsilon_i times an orientation. The
+    // largest epsilon whose factor is not zero decides. To raise e itself takes it out of the sphere.
     const std::array<Vec3, 4> cell{a, b, c, d};
     std::array<int, 4> order{0, 1, 2, 3};
     std::sort(order.begin(), order.end(), [&](int i, int j) { return lexicographic_less(cell[j], cell[i]); });
@@ -78,8 +78,8 @@ int in_perturbed_sphere(Vec3 a, Vec3 b, Vec3 c, Vec3 d, Vec3 e) {
 }
 
 RoundingBounds rounding_bounds(Vec3 extent) {
-    // A determinant of n! products of differences, each with at most k roundings between the coordinates and
-    // the result, is off by at most k u n! times the largest product: k = 8 and n! = 6; k = 17 and n! = 24.
+    // A determinant has n! products of differences, each with at most k roundings between coordinates and result. It is
+    // off by at most k u n! times the largest product; here k = 8 and n! = 6, or k = 17 and n! = 24.
     // The last 1/400 is for the products of errors. Underflow adds at most 2^-1060 times what a lost product
     // is multiplied by.
     const double largest = std::max({extent.x, extent.y, extent.z}), squares = squared_length(extent);

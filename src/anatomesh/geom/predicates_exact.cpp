@@ -43,8 +43,8 @@ Pair two_product(double a, double b, Pair b_halves) {
     return {product, halves.low * b_halves.low - error};
 }
 
-// No expansion of ours can be longer: every part holds one of the binary digits between the smallest and the
-// largest that a determinant of degree five can have when the coordinates are in range.
+// No expansion here is longer. Every part holds one of the binary digits between the smallest and the largest that a
+// determinant of degree five has when the coordinates are in range. [parts; > 0; D]
 constexpr int most_parts = 2048;
 
 // A sum of doubles that do not overlap, in order of increasing magnitude, none of them zero; empty is zero.
@@ -200,8 +200,8 @@ Integer squared_length(const IntegerRow& p) {
 
 // ---- Which of the two ----
 
-// Whether no product of up to five differences of these can overflow, or lose a digit below the smallest
-// double: 5 (-140 - 53) > -1022 and 5 (190 + 2) + 10 < 1023.
+// Whether no product of up to five differences of these can overflow, or lose a digit below the smallest double. This
+// holds because 5 (-140 - 53) > -1022 and 5 (190 + 2) + 10 < 1023.
 template <std::size_t n>
 bool in_range(const std::array<double, n>& values) {
     return std::all_of(values.begin(), values.end(), [](double v) {

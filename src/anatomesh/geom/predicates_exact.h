@@ -1,10 +1,9 @@
-// The last steps of the predicates' ladder: the same signs as predicates.h, by exact arithmetic alone.
+// The predicates of predicates.h by exact arithmetic alone, for the few signs that rounded arithmetic leaves open.
 //
-// Guarantees: exact for all finite doubles. Coordinates whose magnitudes are zero or in [2^-140, 2^190] are
-// decided by expansions, sums of doubles that do not overlap (Shewchuk, Discrete Comput. Geom. 18, 1997);
-// others, whose products would leave the range of doubles, by whole numbers of any length, some hundred times
-// slower. Differences that doubles hold exactly keep the expansions short: points on a grid are decided in
-// some ten nanoseconds a term.
+// Guarantees: exact for all finite doubles. Expansions decide coordinates whose magnitudes are zero or in [2^-140, 2^190];
+// these are sums of doubles that do not overlap (Shewchuk, Discrete Comput. Geom. 18, 1997). Products of other
+// coordinates would leave the range of doubles; whole numbers of any length decide them, some hundred times slower.
+// Differences that doubles hold exactly keep the expansions short, so points on a grid take some ten nanoseconds a term.
 #pragma once
 
 #include "anatomesh/geom/vec.h"

@@ -1,4 +1,4 @@
-// Vec2, Vec3: points and vectors. Millimetres, double.
+// Vec2, Vec3: points and vectors, as doubles in millimetres.
 #pragma once
 
 #include <cmath>
@@ -57,7 +57,7 @@ inline Vec3 normalized(Vec3 a) {
     return (1.0 / length(a)) * a;
 }
 
-// Total order by x, then y, then z: ties broken the same way everywhere.
+// A total order by x, then y, then z, which breaks ties in the same way everywhere.
 inline bool lexicographic_less(Vec3 a, Vec3 b) {
     if (a.x != b.x) return a.x < b.x;
     if (a.y != b.y) return a.y < b.y;

@@ -47,7 +47,7 @@ class Components {
             const std::uint16_t* voxels = labels.voxels.data() + row * length;
             for (std::uint32_t i = 0; i < length;) {
                 if (voxels[i] == 0) {
-                    // Most of an image is empty: four voxels at once.
+                    // Most of an image is empty, so four voxels are looked at at once.
                     std::uint64_t four = 0;
                     while (i + 4 <= length && (std::memcpy(&four, voxels + i, sizeof four), four == 0))
                         i += 4;
@@ -126,7 +126,7 @@ ComponentStats keep_largest(LabelMap& labels, std::uint32_t count) {
     std::vector<std::uint64_t> voxels(runs.size(), 0);
     for (std::size_t r = 0; r < runs.size(); ++r) voxels[components.root(r)] += runs[r].end - runs[r].begin;
 
-    // By label, then the largest first, then the first in voxel order.
+    // Pieces are ordered by label, then by falling size, then in voxel order.
     std::vector<Piece> pieces;
     for (std::size_t r = 0; r < runs.size(); ++r) {
         if (voxels[r] > 0) pieces.push_back({runs[r].label, voxels[r], r});

@@ -12,8 +12,8 @@
 
 namespace anatomesh {
 
-// The centre of voxel (i, j, k) lies at origin + i step[0] + j step[1] + k step[2], LPS millimetres. The steps
-// need not be orthogonal (gantry tilt) nor right-handed; they are linearly independent.
+// The centre of voxel (i, j, k) lies at origin + i step[0] + j step[1] + k step[2], in LPS millimetres. The steps are
+// linearly independent; they need not be orthogonal (gantry tilt) nor right-handed.
 struct ImageGeometry {
     std::array<std::uint32_t, 3> size{0, 0, 0};
     Vec3 origin;
@@ -28,14 +28,14 @@ struct ImageGeometry {
     }
 };
 
-// Grey values, i fastest. voxels.size() == geometry.voxel_count().
+// Grey values; i runs fastest, and voxels.size() == geometry.voxel_count().
 struct GreyImage {
     ImageGeometry geometry;
     std::vector<float> voxels;
     std::string source;  // the file, as the user named it
 };
 
-// Per voxel 0 (outside every structure) or 1 + index into structures.
+// Each voxel is 0 outside every structure, else 1 + an index into structures.
 struct LabelMap {
     ImageGeometry geometry;
     std::vector<std::uint16_t> voxels;

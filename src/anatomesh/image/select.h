@@ -9,10 +9,10 @@
 
 namespace anatomesh {
 
-// The voxels of each structure, parallel to LabelMap::structures.
+// Returns the number of voxels of each structure, parallel to LabelMap::structures. O(voxels).
 std::vector<std::uint64_t> count_voxels(const LabelMap& labels);
 
-// The structures without a voxel, as indices, ascending.
+// Returns the structures without a voxel, as ascending indices. O(voxels).
 std::vector<std::uint32_t> empty_structures(const LabelMap& labels);
 
 // Keeps the structures with these indices, in the order they have in the label map; the voxels of all others

@@ -12,9 +12,10 @@ namespace anatomesh {
 
 namespace {
 
+// A task is worth a thread from so many voxels on. [voxels; > 0; B]
 constexpr std::size_t voxels_per_piece = std::size_t{1} << 18;
 
-// The shortest text that reads back as the same number, in any locale.
+// Returns the shortest text that reads back as the same number, in any locale.
 std::string text_of(double value) {
     std::array<char, 32> buffer{};
     const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
@@ -24,7 +25,7 @@ std::string text_of(double value) {
 std::string range_of(const GreyImage& image) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const float value : image.voxels) {
-        // Written so that a value that is not a number changes nothing.
+        // These comparisons are false for a value that is not a number, so that it changes nothing.
         if (value < low) low = value;
         if (value > high) high = value;
     }

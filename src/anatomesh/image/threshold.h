@@ -13,10 +13,10 @@ struct ThresholdOptions {
     double high = std::numeric_limits<double>::infinity();  // >= low; infinity: no upper bound
 };
 
-// Voxels with low <= value <= high get label 1: structure number 1, called "threshold LOW" or "threshold
-// LOW:HIGH". All others, and those that are not a number, are outside. Complexity: linear. Parallel, same
-// result at any thread count. Errors: geometry E-THR-001 no voxel lies in the range (with the range of the
-// image).
+// Voxels with low <= value <= high get label 1, which is structure number 1, called "threshold LOW" or "threshold
+// LOW:HIGH". All others are outside, and so are those that are not a number. The result is the same for any number of
+// threads. Errors: geometry E-THR-001 no voxel lies in the range (with the range of the image). Complexity: linear,
+// parallel.
 Result<LabelMap> threshold_image(const GreyImage& image, const ThresholdOptions& options,
                                  RunContext& context);
 

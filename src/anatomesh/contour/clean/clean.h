@@ -55,20 +55,21 @@ struct CleanResult {
     CleanStats stats;
 };
 
-// Guarantees: the invariants of a kept contour set, and no vertex is shared by two contours of one structure
-// in one slice; a contour that needed no repair keeps every vertex at its exact coordinates; equal contours
-// out for any order of the input's contours and structures, start index and direction. Structures come by
-// number, without those that have no contour; declared planes say where contours lie (the planes' frames are
-// made anew), and one without contours is an empty slice of a stack or a sweep (empty_slices.h). Same-plane
-// rule, in this order: exact duplicates and near ones dropped; even-odd by containment; partial overlaps of
-// one structure united; exclusive or only where the file says CLOSEDPLANAR_XOR. A contour that crosses itself
-// is read by the even-odd rule. Where two rings have to share a vertex the larger keeps it, and the
-// smaller one's corner is cut off or moved in (separate.h), separation_mm deep at most: a shared vertex would
-// make every surface non-manifold. Every repair is counted and warned about, with its displacement and area;
-// above its bound it is an error. Contours that span less than 1 mm in all are most likely in another unit:
-// there the tolerances (plane, group, corridor, separation, weld) shrink with the span, so that nothing is
-// lost. Errors: E-CON-001..012, warnings: W-CON-001..033. Complexity: O(n log n) per slice in its points,
-// plus the crossings found.
+// Guarantees: the invariants of a kept contour set, and no vertex is shared by two contours of one structure on one
+// slice. A contour that needed no repair keeps every vertex at its exact coordinates. The result is the same for any
+// order of contours and structures in the input, and for any start index and direction of a contour. Structures come by
+// number, without those that have no contour. Declared planes say where contours lie; the planes' frames are made anew.
+// A declared plane without contours is an empty slice of a stack or a sweep (empty_slices.h).
+// Contours on one plane are read by these rules, in this order. Exact duplicates and near ones are dropped. A contour
+// inside another one is a hole, by the even-odd rule. Partial overlaps of one structure are united. Contours are combined
+// by exclusive or only where the file says CLOSEDPLANAR_XOR. A contour that crosses itself is read by the even-odd rule.
+// Where two rings have to share a vertex the larger keeps it, because a shared vertex would make every surface
+// non-manifold. The smaller one's corner is cut off or moved in (separate.h), separation_mm deep at most.
+// Every repair is counted and warned about, with its displacement and area; above its bound it is an error. Contours
+// that span less than 1 mm in all are most likely in another unit. There the tolerances (plane, group, corridor,
+// separation, weld) shrink with the span, so that nothing is lost.
+// Errors: E-CON-001..012, warnings: W-CON-001..033. Complexity: O(n log n) per slice in its points, plus the crossings
+// found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-// close_at_valve: how a heart's chamber, drawn on a long axis up to its valve, is closed.
+// close_at_valve: closes the contour of a heart's chamber, which on a long axis is drawn up to its valve.
 #pragma once
 
 #include <optional>
@@ -15,12 +15,12 @@ struct ValveClosing {
     std::vector<Vec3> between;  // to be put between the last point and the first; none: a straight edge
 };
 
-// What is drawn (a polyline nearly in a plane) is closed by a straight edge across the valve; where other
-// contours of the structure pass its plane beyond that edge, no further than the valve is wide and beside it
-// by no more than a quarter of that, by three edges round these: the edge was not drawn, and must not
-// contradict what was. Nothing where the gap is more than half as long as what is drawn, which is no valve,
-// or where it is none. `others`: closed contours of the structure; those that do not pass the plane do not
-// matter. Requires: three points at least. O(points of all).
+// What is drawn is a polyline nearly in a plane. It is closed by a straight edge across the valve, unless other
+// contours of the structure pass its plane beyond that edge. Those count up to as far as the valve is wide, and up
+// to a quarter of this beside it. Three edges then run round them, because the edge was not drawn and must not
+// contradict what was. Returns nothing where there is no gap, or where the gap is more than half as long as what is
+// drawn, which is no valve. `others` are the closed contours of the structure; those that do not pass the plane do
+// not matter. Requires: three points or more. O(points of all).
 std::optional<ValveClosing> close_at_valve(std::span<const Vec3> drawn,
                                            std::span<const std::span<const Vec3>> others);
 

@@ -1,4 +1,4 @@
-// leave_out_crowded: contours without points that lie so near to the next that cells of their own spacing
+// leave_out_crowded: contours without points that lie very near to the next one. Cells as fine as their spacing
 // would be finer than anything that is drawn.
 #pragma once
 
@@ -10,8 +10,8 @@
 namespace anatomesh {
 
 struct CrowdedOptions {
-    double nearer_mm = 0.01;  // than this to the next one along the contour: crowded. 0: none is. [0, 1]
-    double within_mm = 1e-3;  // of the line through those kept: only such are left out. (0, nearer_mm]
+    double nearer_mm = 0.01;  // a point nearer than this to the next one is crowded. 0: none is. [0, 1]
+    double within_mm = 1e-3;  // points farther from the line that is kept than this stay. (0, nearer_mm]
 };
 
 struct CrowdedPoints {
@@ -23,11 +23,10 @@ struct CrowdedPoints {
 // Whether any point lies nearer than this to the next one of its contour. O(n).
 bool has_crowded(const ContourSet& set, double nearer_mm);
 
-// Requires: a kept contour set. Guarantees: those of simplify_contours(); points that are not crowded stay
-// at their exact coordinates, so that a set without crowded ones is returned as it was. Of any number of
-// points closer than that a share stays (128 at most in a row go): none is much nearer to the next than the
-// points of a dense drawing. Complexity: O(n) without crowded points, else that of simplify_contours().
-// Errors: none of its own.
+// Requires: a kept contour set. Guarantees: those of simplify_contours(). Points that are not crowded stay at their
+// exact coordinates, so a set without crowded ones is returned as it was. At most 128 points in a row go, so a
+// share of any number of crowded points stays. Complexity: O(n) without crowded points, else that of
+// simplify_contours(). Errors: none of its own.
 Result<CrowdedPoints> leave_out_crowded(ContourSet set, const CrowdedOptions& options, RunContext& context);
 
 }  // namespace anatomesh

@@ -18,8 +18,8 @@ std::string structure_text(const Structure& structure);
 // Where a raw contour is, for messages. The slice stays empty, because a contour has none before it is grouped.
 Place place_of_contour(const RawContours& raw, std::uint32_t contour);
 
-// Steps write entries as they read contours; the warnings of contours come out at the end, in the order of the
-// input, so that they do not depend on how contours are grouped. Requires: `raw` outlives the log.
+// Steps write entries as they read contours. Warnings of contours come out at the end, in the order of the input, so
+// that they do not depend on how contours are grouped. Requires: `raw` outlives the log.
 class ReadingLog {
   public:
     explicit ReadingLog(const RawContours& raw);

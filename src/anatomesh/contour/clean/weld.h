@@ -1,4 +1,4 @@
-// weld_contours: vertices of different structures that are the same but for rounding become the same.
+// weld_contours: vertices of different structures that differ by rounding become equal.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ struct WeldStats {
 };
 
 // A point nearer than `tolerance_mm` to a point of an earlier structure, but not equal to it, takes that point's
-// coordinates. Walls that two structures share often differ by the last digits a file writes; as two vertices they
-// would force tetrahedra with edges of nanometres. Two points of one structure are never made equal.
+// coordinates. Walls that two structures share often differ by the last digits that a file writes; two vertices
+// there would force edges of nanometres. Two points of one structure are never made equal.
 // Complexity: O(n). Requires: tolerance_mm > 0.
 WeldStats weld_contours(ContourSet& set, double tolerance_mm);
 

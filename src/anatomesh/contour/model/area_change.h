@@ -1,4 +1,4 @@
-// What simplification does to the areas of structures.
+// AreaChange: what simplification does to the areas of structures.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace anatomesh {
 
-// One contour before and after: its area, negative for a hole, and by how much that differs afterwards.
+// One contour before and after: its area in mm^2, negative for a hole, and the difference.
 struct AreaChange {
     std::uint32_t structure = 0;
     double area_mm2 = 0;

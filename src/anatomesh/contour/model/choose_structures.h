@@ -9,11 +9,12 @@
 
 namespace anatomesh {
 
-// The contours of the structures `chosen`, in that order. The slices without them stay: they say that they
-// are not there. Requires: indices into set.structures, none twice. Guarantees: a kept set gives a kept set.
+// Returns the contours of the structures `chosen`, in that order. Slices without them stay, because they say that
+// the structures are not there. Requires: indices into set.structures, none twice. Guarantees: a kept set gives a
+// kept set.
 ContourSet choose_structures(const ContourSet& set, std::span<const std::uint32_t> chosen);
 
-// The same of contours as a file gave them: points and planes stay as they are. O(contours).
+// This does the same with contours as a file gave them; points and planes stay as they are. O(contours).
 RawContours choose_structures(const RawContours& raw, std::span<const std::uint32_t> chosen);
 
 }  // namespace anatomesh

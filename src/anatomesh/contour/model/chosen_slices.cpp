@@ -9,7 +9,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_names_listed = 40;  // names in a message
+constexpr std::size_t most_names_listed = 40;  // A message lists at most so many names. [names; > 0; B]
 
 }  // namespace
 

@@ -22,11 +22,11 @@ struct Slice {
     Plane plane;
     std::uint32_t first_contour = 0, contour_count = 0;
     std::string name;  // how the source calls it: "k = 12", "z = 36.0", an id; for messages
-    // Numbers of structures whose outlines here nobody drew: slices beside it tell them (outlines_between.h).
+    // Numbers of structures whose outlines here nobody drew; they are interpolated (outlines_between.h).
     std::vector<std::int32_t> interpolated = {};
 };
 
-// The vertices of a contour are points[first_point, first_point + point_count), without repeating the first.
+// The vertices of a contour are points[first_point, first_point + point_count); the first is not repeated.
 struct Contour {
     std::uint32_t structure = 0;  // index into structures
     std::uint32_t slice = 0;      // index into slices
@@ -35,22 +35,25 @@ struct Contour {
 
 struct OverlappingContours;
 
-// In what axes the coordinates are. Millimetres in every case.
+// The axes of the coordinates, which are in millimetres in every case.
 enum class Frame : std::uint8_t { lps, unknown };
 
-// A slice that drew a structure and is not one of the set any more: left out by its name, or to see what it
-// tells. That it is not there says nothing about the structure.
+// A slice that drew a structure and does not belong to the set any more: the user named it, or it is left out to
+// see what it says. Its absence says nothing about the structure.
 struct LeftOutSlice {
     std::int32_t structure = 0;  // number
     Plane plane;
 };
 
-// Invariants once clean_contours() has run (a *kept* contour set; see contour/clean/clean.h): every contour has at
-// least three points and is simple; contours of one structure in one slice do not cross or overlap along an
-// edge (they may share a vertex only where the source's did not allow otherwise); outer contours run counter-
-// clockwise seen along -normal, holes clockwise; slices with equal plane are one slice; slices are in a fixed
-// order (parallel ones by position along the common normal), the contours of a slice by structure, then by
-// the lexicographically smallest vertex, which is also their first point.
+// A set is *kept* once clean_contours() has run (contour/clean/clean.h). These are the invariants of a kept set:
+// - Every contour has three points or more and is simple.
+// - Contours of one structure on one slice do not cross and share no edge. They share a vertex only where the
+//   source did not allow otherwise.
+// - Outer contours run counter-clockwise seen along -normal, holes clockwise.
+// - Slices with equal planes are one slice. Slices have a fixed order; parallel ones are ordered by position along
+//   the common normal.
+// - The contours of a slice are ordered by structure, then by their lexicographically smallest vertex, which is
+//   also their first point.
 struct ContourSet {
     std::vector<Structure> structures;
     std::vector<Slice> slices;
@@ -63,8 +66,8 @@ struct ContourSet {
     double pixel_mm = 0;     // in-plane pixel size of the source image; 0 when unknown
     std::string source;      // the file, as the user named it
     std::vector<LeftOutSlice> left_out = {};  // of each structure that they drew
-    // Where structures lie in others and overlaps were given to the first (overlaps/priority.h): what was
-    // drawn, which tells what lies between the slices. Else null.
+    // What was drawn, where structures lie in others and overlaps were given to the first of them
+    // (overlaps/priority.h); it decides what lies between the slices. Else null.
     std::shared_ptr<const OverlappingContours> overlapping = nullptr;
 
     std::span<const Vec3> points_of(const Contour& contour) const {
@@ -80,19 +83,19 @@ struct ContourSet {
     }
 };
 
-// Structures that overlap, of which the first keeps what it has in common with others: those that lie in
-// none, those that lie in these, and so on.
+// Structures that overlap; the first keeps what it has in common with others. Level 0 has the structures that lie
+// in no other, level 1 those that lie in these, and so on.
 struct OverlappingContours {
-    std::vector<ContourSet> levels;                  // each of structures that exclude each other
-    std::vector<std::vector<std::uint32_t>> slices;  // by level: which of the whole's its own are; rising
+    std::vector<ContourSet> levels;                  // each has structures that exclude each other
+    std::vector<std::vector<std::uint32_t>> slices;  // by level: the slices of the whole that it has, rising
     std::vector<std::int32_t> order;                 // the numbers of all structures, the first first
 };
 
-// Whether the structure's outlines on the slice were not drawn.
+// Whether nobody drew the structure's outlines on the slice.
 bool is_interpolated(const ContourSet& set, std::uint32_t slice, std::uint32_t structure);
 bool has_interpolated(const ContourSet& set);
 
-// Neighbours of a point along its contour.
+// The neighbours of a point along its contour.
 inline std::uint32_t point_after(const Contour& contour, std::uint32_t point) {
     return point + 1 == contour.first_point + contour.point_count ? contour.first_point : point + 1;
 }
@@ -100,13 +103,15 @@ inline std::uint32_t point_before(const Contour& contour, std::uint32_t point) {
     return point == contour.first_point ? contour.first_point + contour.point_count - 1 : point - 1;
 }
 
-// Whether all planes have the same normal up to sign, within the angle that moves the outermost point of the
-// set by less than `tolerance_mm` (and 0.57 degrees: a small set is moved by less).
+// Whether all planes have the same normal up to sign. Their angle may move the outermost point of the set by
+// less than `tolerance_mm`, and is at most 0.57 degrees, because a small set is moved by less. O(points + slices).
 bool all_parallel(const ContourSet& set, double tolerance_mm);
-// The tolerance by which planes count as parallel wherever nothing finer is asked: what files round away, mm.
+// Files round normals; planes that move no point by more than this are parallel. [mm; > 0; M 2026-11, set not
+// recorded]
 inline constexpr double parallel_tolerance_mm = 0.01;
 
-// Distance between neighbouring slices of a parallel set: the median of the gaps; 0 with fewer than two slices.
+// Returns the distance between neighbouring slices of a parallel set, which is the median of the gaps, in mm; 0 for
+// fewer than two slices. O(slices log slices).
 double median_spacing(const ContourSet& set);
 
 }  // namespace anatomesh

@@ -8,7 +8,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_listed = 100;  // structures in a message
+constexpr std::size_t most_listed = 100;  // A message lists at most so many structures. [structures; > 0; B]
 
 std::string list_of(const std::vector<Structure>& all) {
     std::string list;

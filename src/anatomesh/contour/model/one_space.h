@@ -1,4 +1,4 @@
-// check_one_space: contours of several frames of reference do not lie beside each other as drawn.
+// check_one_space: whether all contours have one frame of reference.
 #pragma once
 
 #include "anatomesh/base/result.h"
@@ -7,9 +7,9 @@
 
 namespace anatomesh {
 
-// Each frame of reference has its own origin, so that contours of two of them cannot be put together without
-// a registration. Error: input E-RTS-010 contours of two frames. With `take_for_one` they are taken as they
-// are, with the warning W-RTS-007. Complexity: O(contours).
+// Each frame of reference has its own origin, so contours of two of them cannot be put together without a
+// registration. With `take_for_one` they are taken as they are, with the warning W-RTS-007. Error: input E-RTS-010
+// contours have two frames. Complexity: O(contours).
 Status check_one_space(const RawContours& raw, bool take_for_one, RunContext& context);
 
 }  // namespace anatomesh

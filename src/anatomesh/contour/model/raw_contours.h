@@ -26,8 +26,8 @@ struct RawContour {
     std::uint32_t first_point = 0, point_count = 0;
     std::int32_t plane = -1;  // index into planes when the file gives planes; -1: to be fitted
     std::string name;         // where in the file: "ROI 3, contour 17", "planes[2].polygons[0]"; for messages
-    // Contours of different spaces can't be put together without a registration: a number for each frame of
-    // reference that the file names, 0 where it names none.
+    // A number for each frame of reference that the file names; 0 where it names none. Contours of different
+    // spaces cannot be put together without a registration.
     std::uint32_t space = 0;
     std::string slice = {};  // what the file calls its slice where it gives no plane; may be empty
     bool is_hole = false;  // the file itself calls it one; which contours are holes follows from how they lie

@@ -1,26 +1,28 @@
-// regular_gaps: what the spacing of a stack is told from where its slices come in groups, or are given again.
+// regular_gaps: the spacing of a stack whose slices come in groups, or are given several times (gap clustering).
 #pragma once
 
 #include <vector>
 
 namespace anatomesh {
 
-// Gaps between planes of a stack, in their order: which lie within a group of planes, and for the others how
-// far the middles of the groups are apart that they part (a plane alone is its own middle).
+// The gaps between planes of a stack, in their order.
 struct RegularGaps {
-    std::vector<bool> within;
-    std::vector<double> distance;  // of those within: the gap itself
+    std::vector<bool> within;  // whether the gap lies within a group of planes
+    // The distance between the middles of the two groups beside a gap; a plane alone is its own middle. For a gap
+    // within a group this is the gap itself.
+    std::vector<double> distance;
 };
 
-// A group: gaps in a row that together are less than a tenth of the gap on either side and no more than half
-// a millimetre (one plane given several times), or one gap that is less than half of both (slices in pairs).
-// The latter count where some pair that is not at an end of the stack has gaps alike on both sides: a slice
-// more makes none, and two pairs may as well be four of many. Three slices near each other or more are no
-// group: islands are drawn so. Never all gaps; the largest is in none. Requires: all > 0. Complexity: O(n),
-// times the length of such rows.
+// There are two kinds of groups:
+// - One plane given several times: gaps in a row that together are less than a tenth of the gap on either side, and
+//   no more than half a millimetre.
+// - Slices in pairs: one gap that is less than half of both gaps beside it. Pairs count only where a pair within
+//   the stack has gaps alike on both sides, because one more slice makes no pairs.
+// Three slices near each other, or more, are no group, because islands are drawn so. Guarantees: the largest gap is
+// in no group. Requires: all gaps > 0. Complexity: O(n), times the length of such rows.
 RegularGaps regular_gaps(const std::vector<double>& gaps);
 
-// The gaps of a stack that are not within groups: what its spacing is told from.
+// Returns the gaps of a stack that are not within groups; its spacing is their median.
 std::vector<double> usual_gaps(const std::vector<double>& gaps);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-// Ring: one closed polygon on a slice while contours are cleaned, and what is mended in a ring by itself.
+// Ring: one closed polygon on a slice while contours are cleaned, and the repairs of a ring by itself.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,7 @@
 
 namespace anatomesh {
 
-// at[i] is points[i] in the plane's own coordinates: Plane::to_plane, always, so that whatever is decided on
-// the one holds for the other.
+// at[i] is always Plane::to_plane(points[i]), so that what is decided on the one holds for the other.
 struct Ring {
     std::vector<Vec2> at;
     std::vector<Vec3> points;
@@ -26,16 +25,16 @@ struct Ring {
 
 Ring make_ring(std::vector<Vec3> points, const Plane& plane, std::uint32_t source);
 
-// Drops points equal to their predecessor in the cycle; returns how many. All equal: one is left. O(n).
+// Drops points equal to their predecessor in the cycle, and returns how many. One is left of equal ones. O(n).
 std::size_t drop_repeated_points(std::vector<Vec3>& points);
 
-// Turns and, if need be, reverses the cycle so that its sequence of points is the lexicographically smallest.
-// O(n). Follows: least rotation with two pointers (Shiloach, J. Algorithms 2, 1981).
+// Turns and, if need be, reverses the cycle so that its sequence of points is the lexicographically smallest. It
+// finds the least rotation with two pointers (Shiloach, J. Algorithms 2, 1981). O(n).
 void canonicalize_cycle(std::vector<Vec3>& points);
 
-// Removes every vertex at which the ring turns back on itself exactly (a spike, a hair of width 0), and
-// repeated points that this leaves. The region does not change and no kept vertex moves. A ring without area
-// that is one stroke out and back ends with fewer than three vertices. Returns how many were removed. O(n).
+// Removes every vertex at which the ring turns back on itself exactly, which is a spike or a hair of width 0, and
+// repeated points that this leaves. Returns how many were removed. The region does not change and no kept vertex
+// moves. A ring that is one stroke out and back ends with fewer than three vertices. O(n).
 std::size_t remove_spikes(Ring& ring);
 
 // Reverses the direction; vertex 0 stays first.

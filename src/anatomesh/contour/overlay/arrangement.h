@@ -1,4 +1,4 @@
-// Arrangement: the rings of a slice cut at all their crossings, and how each ring winds around every face.
+// Arrangement: the rings of a slice, split at all their crossings, and how each ring winds around every face.
 #pragma once
 
 #include <cstddef>
@@ -41,11 +41,11 @@ struct Arrangement {
     std::vector<std::vector<std::uint32_t>> cycles;
 };
 
-// New vertices are made only where two edges cross in their interior, rounded to doubles (a crossing within
-// 1e-6 mm of a vertex takes that vertex); edges are then tested again against all others until nothing
-// crosses, so that rounding cannot leave a crossing behind. A vertex on an edge splits it without moving it.
-// Nothing when there are more than `most_edges` edges or rounding does not come to rest. Complexity: O((n +
-// k) log n) with k crossings, times the passes (2 or 3 as a rule).
+// New vertices are made only where two edges cross in their interior; their coordinates are rounded to doubles. A
+// crossing within 1e-6 mm of a vertex takes that vertex. Edges are then tested again against all others until nothing
+// crosses, so that rounding leaves no crossing behind. A vertex on an edge splits it without moving it. Returns nothing
+// when there are more than `most_edges` edges or rounding does not come to rest. Complexity: O((n + k) log n) with k
+// crossings, times the passes (2 or 3 as a rule).
 std::optional<Arrangement> arrange(std::span<const Ring> rings, const Plane& plane, std::size_t most_edges);
 
 }  // namespace anatomesh

@@ -24,7 +24,7 @@ class LoopWalker {
     }
 
   private:
-    // The edge that bounds the same wedge of the region: the first clockwise from where `edge` came.
+    // The next edge bounds the same wedge of the region: it is the first one clockwise from where `edge` came.
     std::uint32_t successor(std::uint32_t edge) const {
         const Vec2 v = at_[edges_[edge].to], back = at_[edges_[edge].from];
         auto best = static_cast<std::uint32_t>(edges_.size());

@@ -14,10 +14,10 @@ struct BoundaryEdge {
     std::uint32_t from = 0, to = 0;
 };
 
-// The edges put together to loops, each a list of indices into `edges` that visits no vertex twice. At a
-// vertex where several meet, the loop bounds one wedge of the region. Requires: the boundary of a region (at
-// each vertex as many edges come as leave), no edge twice, edges that meet at vertices only. Deterministic:
-// loops begin in the order of `edges`. Complexity: O(n log n) for bounded degrees.
+// Joins the edges to loops, each a list of indices into `edges` that visits no vertex twice. At a vertex where several
+// meet, the loop bounds one wedge of the region. Loops begin in the order of `edges`. Requires: the edges bound a
+// region, so as many come to each vertex as leave it; no edge comes twice; edges meet at vertices only.
+// Complexity: O(n log n) for bounded degrees.
 std::vector<std::vector<std::uint32_t>> boundary_loops(std::span<const Vec2> at,
                                                        std::span<const BoundaryEdge> edges);
 

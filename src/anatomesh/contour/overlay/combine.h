@@ -1,4 +1,4 @@
-// combine_rings: the region that rings of one structure in one slice draw together, when they touch, cross or
+// combine_rings: the region that rings of one structure on one slice draw together, when they touch, cross or
 // overlap themselves or each other.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace anatomesh {
 
-// Areas of rings that differ by no more than this share of themselves differ by rounding.
+// Areas of rings that differ by no more than this share of themselves differ by rounding. [1; > 0; D]
 inline constexpr double area_rounding_share = 1e-9;
 
 enum class CombineRule : std::uint8_t {
@@ -59,9 +59,10 @@ struct Combined {
     }
 };
 
-// A ring counts as inside another when at most `share` of its area is outside; a ring of nearly the same area
-// (within `share`) that crosses it is united with it instead. Nothing when the rings cross more than
-// `most_edges` times. Every vertex of the result is a vertex of a ring, bit for bit, or a crossing.
+// A ring counts as inside another when at most `share` of its area is outside. A ring of nearly the same area, within
+// `share`, that crosses it is united with it instead. Returns nothing when the rings cross more than `most_edges`
+// times. Every vertex of the result is a vertex of a ring, bit for bit, or a crossing. Complexity: that of arrange(),
+// and O(rings^2) for their relations.
 std::optional<Combined> combine_rings(std::span<const Ring> rings, const Plane& plane, CombineRule rule,
                                       double share, std::size_t most_edges);
 

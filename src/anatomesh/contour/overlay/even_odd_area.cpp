@@ -17,7 +17,7 @@ std::vector<double> heights(const std::vector<Segment2>& segments, const Box2& c
     for (const Segment2& s : segments) {
         found.push_back(s.a.y);
         found.push_back(s.b.y);
-        // Where it enters or leaves the clip's columns.
+        // These are the heights at which it enters or leaves the clip's columns.
         for (const double x : {clip.low.x, clip.high.x}) {
             if ((s.a.x < x) != (s.b.x < x))
                 found.push_back(s.a.y + (x - s.a.x) / (s.b.x - s.a.x) * (s.b.y - s.a.y));

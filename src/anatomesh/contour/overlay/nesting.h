@@ -10,7 +10,7 @@
 
 namespace anatomesh {
 
-// The edges of many rings behind one another: segment s is the edge of ring ring_of[s] from its vertex
+// The edges of many rings, one ring after the other. Segment s is the edge of ring ring_of[s] from its vertex
 // s - first[ring_of[s]] to the next.
 struct RingEdges {
     std::vector<std::uint32_t> first;    // per ring
@@ -20,8 +20,8 @@ struct RingEdges {
     explicit RingEdges(std::span<const Ring> rings);
 };
 
-// Whether every ring is simple and no two touch: no two edges have a point in common but consecutive edges
-// their common vertex. Exact. Requires: rings of three vertices or more, no zero-length edge.
+// Whether every ring is simple and no two touch. So only consecutive edges have a point in common, which is their
+// common vertex. Exact. Requires: rings of three vertices or more, no zero-length edge. O(n log n + near pairs).
 bool keep_apart(const RingEdges& edges, std::span<const Ring> rings);
 
 struct Nesting {
@@ -29,7 +29,7 @@ struct Nesting {
     std::vector<std::int32_t> parent;  // the innermost of those, or -1
 };
 
-// Requires: keep_apart(edges, rings). O(n log n + rays' hits).
+// Finds the rings that each ring lies in. Requires: keep_apart(edges, rings). O(n log n + rays' hits).
 Nesting nest(const RingEdges& edges, std::span<const Ring> rings);
 
 }  // namespace anatomesh

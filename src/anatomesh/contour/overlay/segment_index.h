@@ -1,4 +1,4 @@
-// SegmentIndex: a tree of boxes over segments of a plane, for finding contacts and what lies below a point.
+// SegmentIndex: a tree of boxes over segments of a plane, to find contacts and what lies below a point.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,8 @@ struct Segment2 {
     Vec2 a, b;
 };
 
-// Built once over segments in the given order. Fast when neighbours in the order are neighbours in the plane,
-// as along a contour: then a query costs O(log n + hits) and all pairs O(n log n + pairs). Any order is
-// correct.
+// It is built once over segments in the given order. Any order is correct. It is fast when neighbours in the order are
+// neighbours in the plane, as along a contour. A query then costs O(log n + hits), and all pairs O(n log n + pairs).
 class SegmentIndex {
   public:
     explicit SegmentIndex(std::vector<Segment2> segments);
@@ -27,13 +26,13 @@ class SegmentIndex {
     template <class Visit>
     void for_each_near_pair(Visit&& visit) const;
 
-    // Appends the segments strictly below `point`, crossed by the ray from it towards -y; a segment is taken
-    // as half-open in x, so a chain through a vertex on the ray counts once. Segments through the point
-    // itself do not count. Ascending order. Exact.
+    // Appends the segments strictly below `point`, crossed by the ray from it towards -y, in ascending order. A
+    // segment is half-open in x, so a chain through a vertex on the ray counts once. Segments through the point
+    // itself do not count. Exact.
     void below(Vec2 point, std::vector<std::uint32_t>& found) const;
 
   private:
-    static constexpr std::uint32_t leaf_size = 4;
+    static constexpr std::uint32_t leaf_size = 4;  // [segments; > 0; B]
 
     // Node n of the complete binary tree covers nodes 2n + 1 and 2n + 2; the last `leaf_count_` are leaves.
     bool is_leaf(std::uint32_t node) const { return node + 1 >= leaf_count_; }

@@ -16,7 +16,9 @@ namespace anatomesh {
 
 namespace {
 
+// A part of a region narrower than this is a hair, which is rounding. [mm; > 0; D]
 constexpr double hair_mm = 1e-6;
+// Of vertices crowded within a corridor's width at most so many are looked at. [vertices; > 0; B]
 constexpr std::size_t crowd = 64;
 
 std::size_t following(const Ring& ring, std::size_t i) {
@@ -35,7 +37,7 @@ class CorridorFinder {
         orientation_ = signed_area(ring.at) >= 0 ? 1 : -1;
     }
 
-    // The pairs (e, f), e < f, of all corridors.
+    // Returns the pairs (e, f), e < f, of all corridors.
     std::vector<EdgePair> run() {
         find_pairs([this](std::uint32_t e, std::uint32_t f) { return runs_back(e, f); });
         std::vector<EdgePair> kept;
@@ -45,9 +47,9 @@ class CorridorFinder {
         return kept;
     }
 
-    // Those of keyholes.
+    // Returns the pairs of keyholes.
     std::vector<EdgePair> keyholes(double crossing) {
-        // Twice the area between the first vertex and the ring up to each.
+        // By vertex, this is twice the area between the first vertex and the ring up to it.
         std::vector<double> area(ring_.size() + 1, 0);
         for (std::size_t i = 0; i < ring_.size(); ++i)
             area[i + 1] =
@@ -118,7 +120,7 @@ class CorridorFinder {
     bool is_keyhole(std::uint32_t e, std::uint32_t f, double crossing,
                     const std::vector<double>& area) const {
         const double gap = gap_between(e, f), shorter = std::min(edge_length(e), edge_length(f));
-        // One width is the same on all slices, but for rounding.
+        // One width is the same on all slices, except for rounding.
         if (gap > 1.001 * width_ || gap == 0 || shorter < 10 * gap) return false;
         if (gap > crossing && !has_outside_between(e, f)) return false;
         // The ring from the end of e to the beginning of f, and the rest.
@@ -176,9 +178,9 @@ struct Parted {
     double displacement_mm;  // how far that is from it
 };
 
-// What takes the place of a shared vertex, in the ring's order: an acute corner is cut off at a depth, so
-// that no more of the region goes than must; of an obtuse one the vertex goes in as far, and the edges bend
-// where they are as far from lines of the other ring that run straight on.
+// The line that takes the place of a shared vertex, in the ring's order. An acute corner is cut off at a depth, so that
+// no more of the region goes than must. The vertex of an obtuse one goes in as far, and the edges bend where they are
+// as far from lines of the other ring that run straight on.
 Parted parted(const Shared& shared, double distance) {
     const double room = 0.25 * std::min(shared.before, shared.after),
                  cosine = dot(shared.inward, shared.to_before),
@@ -234,7 +236,7 @@ std::vector<Shared> find_shared(const std::vector<Ring>& rings) {
         found.inward = bisector(found.to_before, found.to_after, area[visits[v].ring] >= 0 ? 1.0 : -1.0);
         shared.push_back(found);
     }
-    // Those of a place come from the largest to the smallest.
+    // The corners of one place come from the largest to the smallest.
     for (std::size_t s = shared.size(); s-- > 0;) {
         for (std::size_t t = s + 1; t < shared.size() && shared[t].from == shared[s].from; ++t) {
             if (is_between(shared[s], shared[t].inward))
@@ -305,12 +307,12 @@ bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distanc
     std::vector<Vec2> points;
     for (const Ring& ring : rings) points.insert(points.end(), ring.at.begin(), ring.at.end());
     std::sort(points.begin(), points.end(), [](Vec2 p, Vec2 q) { return lexicographic_less(p, q); });
-    // From the back of each ring, so that positions hold.
+    // The back of each ring comes first, so that positions hold.
     std::sort(shared.begin(), shared.end(), [](const Shared& a, const Shared& b) {
         return a.ring != b.ring ? a.ring < b.ring : a.position > b.position;
     });
-    // Where more than two meet, one inside the other, the larger must move less than the smaller: how much
-    // less depends on the angles, so ever smaller shares and moves are tried.
+    // Where more than two meet, one inside the other, the larger must move less than the smaller. How much less depends
+    // on the angles, so ever smaller shares and moves are tried.
     for (double share : {0.5, 0.05, 0.005}) {
         for (double scale = 1; scale > 1e-3; scale *= 0.5) {
             std::vector<Ring> apart = rings;

@@ -47,7 +47,7 @@ class FaultFinder {
     }
 
   private:
-    // Gathers the segments of some rings; those of no length are faults.
+    // Gathers the segments of some rings; segments of no length are faults.
     void gather(std::span<const std::uint32_t> rings) {
         segments_.clear();
         owners_.clear();
@@ -71,7 +71,7 @@ class FaultFinder {
         return (p.place + 1) % count == q.place || (q.place + 1) % count == p.place;
     }
 
-    // Contacts of the gathered segments: of different structures, or of one.
+    // Looks for contacts of the gathered segments, of different structures or of one.
     SegmentIndex check_contacts(std::span<const std::uint32_t> rings, bool between_structures) {
         gather(rings);
         SegmentIndex index(segments_);

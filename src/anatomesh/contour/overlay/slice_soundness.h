@@ -1,4 +1,4 @@
-// slice_faults: where the contours of a slice are not what a kept contour set promises.
+// slice_faults: the segments at which the contours of a slice break the invariants of a kept set.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +23,10 @@ struct RingSegment {
     std::uint32_t ring = 0, place = 0;
 };
 
-// The segments at fault, exactly: every ring has to be simple; rings of one structure (of all, if
-// `exclusive`) may meet in nothing but common vertices of different structures and segments that these share;
-// rings that bound their region from outside run counter-clockwise, holes clockwise (a ring that does not is
-// named by its first segment). Empty: sound. Complexity: O(n log n) for contours that keep apart.
+// Returns the segments at fault, by exact predicates; none for a sound slice. Every ring has to be simple. Rings of one
+// structure must not meet. Rings of different structures may meet in common vertices and shared segments only, if
+// `exclusive`. Outer rings run counter-clockwise and holes clockwise; a ring that does not is named by its first
+// segment. Complexity: O(n log n) for contours that keep apart.
 std::vector<RingSegment> slice_faults(std::span<const PlaneRing> rings, bool exclusive);
 
 }  // namespace anatomesh

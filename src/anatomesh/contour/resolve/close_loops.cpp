@@ -14,7 +14,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_pen_slips = 100'000;  // more are no slips of the pen
+constexpr std::size_t most_pen_slips =
+    100'000;  // More crossings than this are not looked at. [crossings; > 0; B]
 
 bool crosses_itself(const Ring& ring) {
     const std::span<const Ring> alone(&ring, 1);

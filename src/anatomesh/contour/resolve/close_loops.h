@@ -1,4 +1,4 @@
-// close_loops: a contour without the small loops that it makes by crossing itself, slips of the pen.
+// close_loops: a contour without the small loops that it makes by crossing itself, which are slips of the pen.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 namespace anatomesh {
 
 struct CloseLoopsOptions {
-    double most_mm2 = 1;  // of a loop: smaller ones are closed. 0: none. [0, 100]
-    // Of what the ring bounds, all of its loops together. [0, 1]
+    double most_mm2 = 1;  // only loops smaller than this are closed. 0: none. [0, 100]
+    // All loops of a ring together are at most this share of the area that it bounds. [0, 1]
     double most_of_region = 2e-3;
 };
 
@@ -24,13 +24,12 @@ struct ClosedLoops {
     std::uint32_t points_dropped = 0;  // drawn ones that were of loops alone
 };
 
-// Nothing where the ring does not cross itself, or where more than one ring is left of it when all loops
-// below the bounds are closed: then it stays as drawn. Nothing too where a vertex of `others` lies in the
-// bounding box of a loop: what another contour draws in a loop, as a hole or an island, would become the
-// other of the two. `rule` and `share`: as combine_rings() has them, by which what the ring bounds is found.
-// Requires: three vertices or more, no zero-length edge; the ring itself may be among `others`, which are
-// told apart by their source. Guarantees: the same whatever others do elsewhere. Complexity: that of
-// combine_rings() for the ring, and O(loops x vertices of others).
+// Returns nothing where the ring stays as drawn. This is so where it does not cross itself, and where more than one ring
+// is left when all loops below the bounds are closed. It is also so where a vertex of `others` lies in the bounding box
+// of a loop: a hole drawn there would become an island, or an island a hole. `rule` and `share` are those
+// of combine_rings(), which finds what the ring bounds. Requires: three vertices or more, no zero-length edge. The ring
+// itself may be among `others`; its source identifies it. Guarantees: the result is the same whatever others do
+// elsewhere. Complexity: that of combine_rings() for the ring, and O(loops x vertices of others).
 std::optional<ClosedLoops> close_loops(const Ring& ring, std::span<const Ring> others, const Plane& plane,
                                        CombineRule rule, double share, const CloseLoopsOptions& options);
 

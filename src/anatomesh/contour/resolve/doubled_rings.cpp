@@ -14,6 +14,8 @@ namespace anatomesh {
 
 namespace {
 
+// Rings nearer than this share of their mean edge length are one outline drawn twice. [1; > 0; M 2026-11, set not
+// recorded]
 constexpr double of_mean_edge = 0.5;
 
 struct Outline {
@@ -30,7 +32,7 @@ struct Outline {
     double radius() const { return perimeter > 0 ? 2 * area / perimeter : 0; }
 };
 
-// Whether boxes and areas leave it open that the two keep within `within` of each other.
+// Whether boxes and areas allow that the two keep within `within` of each other.
 bool may_keep_near(const Outline& a, const Outline& b, double within) {
     return std::abs(a.box.low.x - b.box.low.x) <= within && std::abs(a.box.low.y - b.box.low.y) <= within &&
            std::abs(a.box.high.x - b.box.high.x) <= within &&
@@ -46,9 +48,9 @@ double squared_distance(Vec2 p, const Segment2& segment) {
     return dot(off, off);
 }
 
-// The largest distance from a vertex of `from` to `to`; infinite where one is further than `within`.
+// Returns the largest distance from a vertex of `from` to `to`; infinite where one is further than `within`.
 double farthest_vertex(const Ring& from, const Ring& to, double within) {
-    // Diagonals of the squares about the vertices, then the edges: pairs of both kinds are looked at.
+    // The index holds diagonals of the squares about the vertices, then the edges; pairs of both kinds count.
     std::vector<Segment2> items;
     for (Vec2 p : from.at) items.push_back({p - Vec2{within, within}, p + Vec2{within, within}});
     for (std::size_t v = 0; v < to.size(); ++v) items.push_back({to.at[v], to.at[(v + 1) % to.size()]});

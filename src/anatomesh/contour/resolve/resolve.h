@@ -34,8 +34,8 @@ struct ResolveOptions {
     // A contour that keeps this near to another of its structure in its slice, and nearer than half of their
     // mean edge length, repeats it: the smaller is dropped. [0, 1]
     double repeat_mm = 0.05;
-    // A hole that follows its outline as near as this is warned about, if this is also less than a tenth of
-    // its radius or half of their mean edge length. [0, 10]
+    // A hole that follows its outline as near as this is warned about. The distance is also less than a tenth of its
+    // radius or half of their mean edge length. [0, 10]
     double doubtful_wall_mm = 0.5;
     // Rings that share a vertex are moved apart there by at most this: a nearer wall or gap, on slice after
     // slice, would have holes. (0, 1]
@@ -51,9 +51,10 @@ struct Resolved {
     std::vector<RingNote> notes;
 };
 
-// Requires: rings of three vertices or more, without repeated vertices and spikes, none equal to another, in
-// an order that does not depend on the input's. `exclusive_or`: combine by exclusive or (DICOM
-// CLOSEDPLANAR_XOR) instead of nesting and union. Errors: E-CON-006..009.
+// With `exclusive_or` the rings are combined by exclusive or (DICOM CLOSEDPLANAR_XOR) instead of nesting and union.
+// `place_of` says where a source is, for messages. Requires: rings of three vertices or more, without repeated vertices
+// and spikes, none equal to another, in an order that does not depend on the input's. Notes: W-CON-011, W-CON-013..020,
+// W-CON-022, W-CON-026 and W-CON-030. Errors: E-CON-006..009. Complexity: O(n log n), plus the crossings found.
 Result<Resolved> resolve_rings(std::vector<Ring> rings, const Plane& plane, bool exclusive_or,
                                const ResolveOptions& options, const PlaceOfSource& place_of);
 

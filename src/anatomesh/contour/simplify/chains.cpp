@@ -21,7 +21,7 @@ bool within_box(Vec2 p, Vec2 a, Vec2 b) {
            p.y <= std::max(a.y, b.y);
 }
 
-// Whether two segments without a common end point meet. Exact.
+// Whether two segments without a common end point meet; exact.
 bool meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
     if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
         std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y)) {
@@ -59,8 +59,8 @@ class ShortestPath {
     }
 
   private:
-    // Tries all shortcuts from i, to `last` at most. The directions in which a ray from i passes within
-    // epsilon of all points so far are a cone between `right` and `left`; once it is empty it stays empty.
+    // Visits all shortcuts from i, to `last` at most. The directions in which a ray from i passes within epsilon of all
+    // points so far are a cone between `right` and `left`. Once the cone is empty it stays empty.
     void relax_from(std::span<const Vec2> chain, std::size_t i, std::size_t last) {
         Vec2 right, left;
         bool bounded = false;
@@ -106,8 +106,8 @@ class ShortestPath {
         }
     }
 
-    // What a segment of this length costs beyond its vertex: several vertices when it is shorter than the
-    // spacing, else a little that grows with its square, which makes neighbouring segments equally long.
+    // Returns what a segment of this length costs beyond its vertex. A segment shorter than the spacing costs several
+    // vertices. Else the cost grows with the square of its length, which makes neighbouring segments equally long.
     double price(double segment) const {
         if (spacing_ <= 0) return 0;
         const double ratio = segment / spacing_;
@@ -115,7 +115,7 @@ class ShortestPath {
         return 0.0006 * ratio * ratio;
     }
 
-    static constexpr std::size_t longest_shortcut = 128;
+    static constexpr std::size_t longest_shortcut = 128;  // [points; > 1; B]
 
     double epsilon_, spacing_;
     std::vector<double> cost_;
@@ -149,7 +149,7 @@ class SpanGrid {
         columns_ = column(box_.high.x) + 1;
         rows_ = row(box_.high.y) + 1;
 
-        // Count, scan, fill.
+        // The entries are counted, the counts summed, and the places filled.
         first_.assign(columns_ * rows_ + 1, 0);
         for (const Span& span : spans) {
             for_cells(point(span.a), point(span.b), [&](std::size_t cell) { ++first_[cell + 1]; });
@@ -176,7 +176,7 @@ class SpanGrid {
     }
 
   private:
-    static constexpr double most = 1e9;
+    static constexpr double most = 1e9;  // The grid has at most so many columns or rows. [cells; > 0; B]
 
     std::size_t column(double x) const { return index(x - box_.low.x, columns_); }
     std::size_t row(double y) const { return index(y - box_.low.y, rows_); }
@@ -407,6 +407,7 @@ class Thinner {
         return thin;
     }
 
+    // In so many rounds a span is split once; after them at all its points, so that the rounds end. [rounds; > 0; B]
     static constexpr int patient_rounds = 8;
 
     const ChainNetwork& network_;

@@ -33,7 +33,7 @@ struct ChainNetwork {
     }
 };
 
-// All in the unit of the points.
+// All lengths are in the unit of the points.
 struct ThinOptions {
     double epsilon = 0;  // every point stays within this of the kept segment that spans it. > 0
     double spacing = 0;  // kept points closer than this along a chain are avoided where epsilon allows. >= 0
@@ -47,14 +47,14 @@ struct ThinResult {
 };
 
 // Requires: loops of at least three points; all coordinates finite.
-// Guarantees: junctions are kept; the bound holds; kept segments cross, touch or overlap only where the
-// chains they stand for do; no kept point lies between a kept segment and the chain it stands for, so nesting
-// and sides are unchanged; loops keep at least three points. Method: per chain the polygon of least cost, one
-// per vertex plus a price for segments that are short or much longer than the others, by dynamic programming
-// over all shortcuts within the bound (Imai and Iri, Computational Morphology, 1988; cones of Chan and Chin,
-// ISAAC 1992). Then segments that break a guarantee are split at their farthest point until none does (after
-// Saalfeld, Cartography and GIS 26, 1999). Complexity: expected O(n k) with k the points under a shortcut, at
-// most 128.
+// Guarantees: junctions are kept, and loops keep at least three points. The bound holds. Kept segments cross, touch or
+// overlap only where the chains they stand for do. No kept point lies between a kept segment and the chain it stands for,
+// so nesting and sides are unchanged.
+// Method: dynamic programming over all shortcuts within the bound finds the polygon of least cost for each chain (Imai
+// and Iri, Computational Morphology, 1988). Cones test the bound (Chan and Chin, ISAAC 1992). A vertex costs one, and segments that
+// are short or much longer than the others cost more. Then segments that break a guarantee are split at their farthest
+// point until none does (after Saalfeld, Cartography and GIS 26, 1999). Complexity: expected O(n k) with k the points
+// under a shortcut, at most 128.
 ThinResult thin_chains(const ChainNetwork& network, const ThinOptions& options);
 
 }  // namespace anatomesh

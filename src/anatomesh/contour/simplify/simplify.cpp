@@ -15,7 +15,7 @@ namespace anatomesh {
 
 namespace {
 
-// Kept vertices should keep this share of their spacing from foreign segments.
+// Kept vertices should keep this share of their spacing from foreign segments. [1; 0 to 1; M 2026-11, set not recorded]
 constexpr double clearance_share = 0.3;
 
 // The contours of one slice as a network: equal points are one vertex, equal segments one edge.
@@ -73,7 +73,7 @@ class SliceNetwork {
         walked_.assign(edges_.size(), 0);
     }
 
-    // A vertex where something begins, ends or parts is kept, and one that is not crowded where that counts.
+    // A vertex is kept where something begins, ends or parts, and where it is not crowded if only crowded ones may go.
     bool is_junction(std::uint32_t vertex) const {
         const std::size_t first = first_edge_[vertex];
         if (first_edge_[vertex + 1] - first != 2) return true;
@@ -95,7 +95,7 @@ class SliceNetwork {
         }
     }
 
-    // Along the edge and on, until a junction or back to the start.
+    // Walks along the edge and on, until a junction or back to the start.
     void walk(std::size_t edge) {
         const std::uint32_t start = edges_[edge].first;
         network_.chain_points.push_back(start);

@@ -23,13 +23,13 @@ struct SimplifyResult {
 };
 
 // Requires: a kept contour set.
-// Guarantees: kept vertices are input vertices at their exact coordinates; no contour crosses or touches
-// itself or another contour of its slice that it did not cross or touch before; nesting is unchanged; a chain
-// that two contours share stays shared, vertex for vertex; no contour falls below three vertices; the order
-// of a kept contour set. Where a simplification would break one of these, the chain keeps more vertices
-// there. Equal output for any order of the contours and any number of threads. Complexity: O(n log n)
-// expected. Parallel over slices. Errors: none of its own. Warnings: W-CON-024 where the area of a
-// structure changes by more than 5 %. Follows: see thin_chains() in contour/simplify/chains.h.
+// Guarantees: a kept contour set. Kept vertices are input vertices at their exact coordinates, and no contour falls
+// below three of them. No contour crosses or touches itself or another contour of its slice that it did not cross or
+// touch before. Nesting is unchanged. A chain that two contours share stays shared, vertex for vertex. Where a
+// simplification would break one of these, the chain keeps more vertices. The output is the same for any order of the
+// contours and any number of threads. Complexity: O(n log n) expected; parallel over slices. Errors: none of its own.
+// Warnings: W-CON-024 where the area of a structure changes by more than 5 %. Source: that of thin_chains()
+// (contour/simplify/chains.h).
 Result<SimplifyResult> simplify_contours(const ContourSet& set, const SimplifyOptions& options,
                                          RunContext& context);
 

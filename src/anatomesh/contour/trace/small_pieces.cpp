@@ -19,7 +19,7 @@ struct Run {
     std::uint16_t label;
 };
 
-// Union-find over runs. A piece is known by its root, which is the smallest run index in it.
+// Union-find over runs. The root of a piece is the smallest run index in it, and stands for the piece.
 class Pieces {
   public:
     explicit Pieces(const LabelGrid& grid) {
@@ -123,7 +123,7 @@ void for_each_side(const Pieces& pieces, const LabelGrid& grid, std::uint32_t pi
     }
 }
 
-// The label with which the piece shares most pixel edges; equal: the lower one.
+// The label with which the piece shares most pixel edges; of equal ones, the lower.
 std::uint16_t surrounding_label(const Pieces& pieces, const LabelGrid& grid, std::uint32_t piece,
                                 std::uint16_t label) {
     std::vector<std::uint16_t> around;
@@ -159,7 +159,7 @@ std::uint32_t repaint(Pieces& pieces, LabelGrid& grid, std::uint32_t piece, std:
     return piece;
 }
 
-// One pass over all pieces. Returns whether a piece of the outside was repainted: such a piece may hang
+// Goes over all pieces once. Returns whether a piece of the outside was repainted, because such a piece may hang
 // together across corners, where the piece of a structure that it became does not.
 bool repaint_small_pieces(LabelGrid& grid, double min_pixels, SmallPieces& found) {
     Pieces pieces(grid);

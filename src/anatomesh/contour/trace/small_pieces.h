@@ -23,10 +23,10 @@ struct SmallPieces {
     std::uint64_t island_pixels = 0, hole_pixels = 0;
 };
 
-// Gives the pixels of every piece of fewer than `min_pixels` pixels to the label with which the piece shares
-// most pixel edges (equal: the lower label), smallest piece first, until no such piece is left. Pieces of a
-// structure are 4-connected, pieces of the outside 8-connected: as they are traced. The outside that reaches
-// the border of the grid is never small. A piece that grew by another's pixels counts once for each.
+// Relabels every piece of fewer than `min_pixels` pixels with the label with which it shares most pixel edges; of
+// equal ones, the lower label. The smallest piece comes first, until no such piece is left. Pieces of a structure are
+// 4-connected and pieces of the outside 8-connected, as they are traced. The outside that reaches the border of the
+// grid is never small. A piece that grew by another's pixels counts once for each.
 // Complexity: linear in the pixels when the pieces are few, O(n log n) in the small pieces.
 SmallPieces leave_out_small_pieces(LabelGrid& grid, double min_pixels);
 

@@ -33,33 +33,32 @@ struct TraceResult {
     TraceStats stats;
 };
 
-// Slices are taken along the voxel axis with the largest spacing (ties: the last axis); slices before the
-// first and after the last one with a contour are left out, those between are kept though they may be empty.
+// Slices are taken along the voxel axis with the largest spacing; of equal ones, the last. Slices before the first and
+// after the last one with a contour are left out; those between are kept though they may be empty.
 //
-// Contours run through the points where the edges between neighbouring pixel centres change label: at the
-// threshold by linear interpolation where `grey` is given and the two grey values lie on its two sides, else
-// half-way. They keep 1/64 pixel away from pixel centres, 0.15 where two pieces of boundary pass the same
+// Contours run through the points where the edges between neighbouring pixel centres change label. This is at the
+// threshold, by linear interpolation, where `grey` is given and the two grey values lie on its two sides; else half-way. They keep 1/64 pixel away from pixel centres, 0.15 where two pieces of boundary pass the same
 // centre. The image border counts as outside, half a pixel beyond the last pixel centre.
 //
-// Pixels of a structure that touch only at a corner are not joined in the outside; where two structures
-// alternate around a corner, the one with the lower number is joined; where only the pixels of one diagonal
-// are equal, these are joined. Where two structures touch, their contours share every vertex; where three or
-// more meet, they share a junction, which is kept.
+// Pixels of a structure that touch only at a corner are not joined in the outside. Where two structures alternate
+// around a corner, the one with the lower number is joined. Where only the pixels of one diagonal are equal, these are
+// joined. Where two structures touch, their contours share every vertex; where three or more meet, they share a
+// junction, which is kept.
 //
 // Before a slice is traced, pieces below the minimum area (islands of a structure and holes alike) are given
 // to the label that surrounds them most, and counted.
 //
-// Guarantees: the invariants of a kept contour set, exclusive = true, drawn = false; kept vertices lie at
-// least about a third of a pixel apart where epsilon allows, and at least a tenth of a pixel from other
-// segments where the traced points do; no simplification makes contours cross, touch or change sides (see
-// contour/simplify/chains.h). `grey` may be null; if given it has the label map's geometry; `threshold` is its
-// iso-value. Complexity: linear in the voxels of the kept slices. Parallel over slices, same result at any
-// thread count. Errors: geometry E-TRC-001 nothing to trace (with the labels that are empty), E-TRC-002 no
-// slice kept; limit E-TRC-003 slice too large. Warnings: W-TRC-001 cut by the image border, W-TRC-002 islands
-// left out, W-TRC-003 holes filled, W-TRC-004 structure without a contour, W-TRC-005 islands left out are
-// over 5 % of the area, W-TRC-006 pieces that no kept slice meets, W-CON-024 area of a structure changed by
-// more than 5 % by simplification. Follows: Lorensen and Cline, SIGGRAPH 1987, in the plane; many labels as
-// Hege et al., ZIB SC-97-05, 1997.
+// `grey` may be null; else it has the label map's geometry, and `threshold` is its iso-value.
+//
+// Guarantees: the invariants of a kept contour set, exclusive = true, drawn = false. Kept vertices lie about a third
+// of a pixel apart or more where epsilon allows, and a tenth of a pixel from other segments where the traced points
+// do. No simplification makes contours cross, touch or change sides (contour/simplify/chains.h). The result is the
+// same for any number of threads. Complexity: linear in the voxels of the kept slices; parallel over slices.
+// Errors: geometry E-TRC-001 nothing to trace (with the labels that are empty), E-TRC-002 no slice kept; limit
+// E-TRC-003 slice too large. Warnings: W-TRC-001 cut by the image border, W-TRC-002 islands left out, W-TRC-003 holes
+// filled, W-TRC-004 structure without a contour, W-TRC-005 islands left out are over 5 % of the area, W-TRC-006 pieces
+// that no kept slice meets, W-CON-024 simplification changed the area of a structure by more than 5 %.
+// Source: Lorensen and Cline, SIGGRAPH 1987, in the plane; many labels as in Hege et al., ZIB SC-97-05, 1997.
 Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey, double threshold,
                                    const TraceOptions& options, RunContext& context);
 

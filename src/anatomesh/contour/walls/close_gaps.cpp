@@ -21,9 +21,8 @@ class SliceGaps : public ConflatedContours {
 
     void close() {
         if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
-        // Later structures take the vertices of earlier ones; what these pass in between goes to the earlier;
-        // then the other way round, where the earlier one's vertices are too far apart to be near to
-        // anything.
+        // Later structures take the vertices of earlier ones, and earlier ones what these pass in between. Then
+        // it goes the other way round, where the earlier one's vertices are too far apart to be near to anything.
         for (const bool to_later : {true, false}) {
             take_vertices(to_later);
             take_paths();
@@ -32,7 +31,7 @@ class SliceGaps : public ConflatedContours {
     }
 
   private:
-    // The loops' segments with whether another structure has them too, the other way round.
+    // By segment of the loops, whether another structure has it too, the other way round.
     struct Segments {
         std::vector<Edge> ends;
         std::vector<std::uint32_t> loop, number;
@@ -54,13 +53,13 @@ class SliceGaps : public ConflatedContours {
         return all;
     }
 
-    // Puts vertices of earlier structures, or of later ones, that lie beside a segment into it.
+    // Inserts vertices of earlier structures, or of later ones, into the segments beside them.
     void take_vertices(bool to_later) {
         const Segments all = segments();
         const std::vector<Edge> owners = owned();
         std::vector<Beside> found;
         const auto consider = [&](std::uint32_t i, std::uint32_t j) {
-            // The first end of segment i beside segment j.
+            // This looks at the first end of segment i beside segment j.
             const ConflatedContour &from = loops_[all.loop[i]], &to = loops_[all.loop[j]];
             if (all.shared[j] || (to_later ? from.structure >= to.structure : from.structure <= to.structure))
                 return;
@@ -107,8 +106,7 @@ class SliceGaps : public ConflatedContours {
         return hidden(ways, all.ends);
     }
 
-    // Where both ends of a segment are vertices of another structure's loop, with a path beside the segment
-    // between them, the segment becomes that path.
+    // A segment becomes the path beside it between its ends, where both are vertices of another structure's loop.
     void take_paths() {
         std::vector<std::array<std::uint32_t, 3>> places;  // vertex, loop, number
         for (std::uint32_t l = 0; l < loops_.size(); ++l) {
@@ -146,8 +144,8 @@ class SliceGaps : public ConflatedContours {
         put_in(std::move(found));
     }
 
-    // The vertices of `other` after b, its number `from`, up to a; none where one is too far from the
-    // segment, or the structure's already.
+    // Returns the vertices of `other` from the one after number `from`, which is b, up to a. Returns none where one
+    // is too far from the segment, or belongs to the structure already.
     std::vector<Beside> path_beside(std::uint32_t l, std::uint32_t n, std::uint32_t a, std::uint32_t other,
                                     std::uint32_t from, const std::vector<Edge>& owners) const {
         std::vector<Beside> path;
@@ -165,14 +163,14 @@ class SliceGaps : public ConflatedContours {
                 k + 1 == way.vertices.size()) {
                 return {};
             }
-            // In the order of the path: against that of the segment.
+            // The path runs against the segment.
             path.push_back({v, l, n, -static_cast<double>(k), apart});
         }
         return path;
     }
 
-    // Takes out again what does not serve: vertices that are not an end of a shared segment, and those at
-    // which contours of a structure came to touch or cross one another.
+    // Takes back vertices that are no end of a shared segment, and those at which contours of a structure came to
+    // touch or cross one another.
     void take_back() {
         for (bool again = true; again;) {
             again = drop(lone());
@@ -201,7 +199,7 @@ class SliceGaps : public ConflatedContours {
         return places;
     }
 
-    // Ends of shared segments that something lies before, seen from where the contour was drawn.
+    // Ends of shared segments that another contour hides, seen from where the contour was drawn.
     std::vector<Place> out_of_sight() const {
         std::vector<Edge> drawn;
         std::vector<std::pair<Edge, Place>> by_ends;

@@ -54,7 +54,7 @@ ConflatedContours::Change ConflatedContours::change_of(const ConflatedContour& l
         std::size_t end = (k + 1) % count;
         while (loop.taken(end)) end = (end + 1) % count;
         const Vec2 b = at_[loop.origin[end]], way = b - a;
-        // Both sides of the drawn segment count.
+        // Areas on both sides of the drawn segment count.
         const Vec3 from = points_[loop.origin[k]], to = points_[loop.origin[end]];
         double changed = 0, last_height = 0, last_along = 0;
         const auto step_to = [&](Vec2 p) {
@@ -229,7 +229,7 @@ std::vector<ConflatedContours::Place> ConflatedContours::touching(std::size_t fi
     }
     SegmentIndex(std::move(segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
         if (!touch(ends[i], ends[j])) return true;
-        // Of the vertices taken or moved there, that which lies farthest from what was drawn.
+        // The vertex goes that lies farthest from what was drawn, because it changes most.
         double most = -1;
         Place worst{};
         for (const std::uint32_t s : {i, j}) {
@@ -323,7 +323,7 @@ std::vector<Vec2> ConflatedContours::polygon(const std::vector<std::uint32_t>& l
     return points;
 }
 
-// Of one structure: elsewhere than in a common end.
+// Whether two segments of one structure meet elsewhere than in a common end.
 bool ConflatedContours::touch(Edge p, Edge q) const {
     const SegmentContact contact = segment_contact(at_[p[0]], at_[p[1]], at_[q[0]], at_[q[1]]);
     const bool joined = has(q, p[0]) || has(q, p[1]);

@@ -18,8 +18,7 @@
 namespace anatomesh {
 namespace {
 
-// Points that contours of several slices have, and what may not be done with them because not all of these
-// slices would do it.
+// Points that contours of several slices have. What not all of these slices would do with a point is forbidden.
 class CommonPoints {
   public:
     using Structure = std::uint32_t;
@@ -61,7 +60,7 @@ class CommonPoints {
                !std::binary_search(closed_.begin(), closed_.end(), std::pair(structure, c));
     }
 
-    // Forbids what some of a point's slices did and others not. Says whether there was any.
+    // Forbids what some of a point's slices did and others not. Returns whether there was any.
     bool forbid_what_slices_differ_in(const std::vector<ConflatedContours>& led) {
         std::vector<std::pair<Number, Vec3>> ways;         // from where to where, by slice
         std::vector<std::array<std::uint32_t, 4>> having;  // structure, number, slice, 0: had it before
@@ -126,11 +125,11 @@ class CommonPoints {
     std::vector<std::pair<Structure, Number>> closed_;  // sorted: contours that are not led there
 };
 
-// How far segments pass each other that have no common point, in lengths of the shorter one: a fifth of what
-// a chain of edges may be off its segment.
+// Segments that pass each other by less than this, in lengths of the shorter one, have a common point. It is a fifth
+// of what a chain of edges may be off its segment. [1; > 0; D]
 constexpr double least_skew = 2e-7;
 
-// In which what slices with common vertices differ in is forbidden; then these vertices stay as they are.
+// In so many rounds slices with common vertices come to agree; then such vertices stay as they are. [rounds; > 0; B]
 constexpr int most_rounds = 16;
 
 class SliceLines : public ConflatedContours {
@@ -156,8 +155,8 @@ class SliceLines : public ConflatedContours {
         return all;
     }
 
-    // Vertices of different structures within the width of each other become one, the nearest first; one that
-    // something moved onto stays, and one that more slices have.
+    // Vertices of different structures within the width of each other become one, the nearest first. A vertex that
+    // another one moved onto stays, and so does one that more slices have.
     void unite_vertices() {
         std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;  // squared distance
         PointGrid grid(2 * width_, points_.size());
@@ -198,8 +197,7 @@ class SliceLines : public ConflatedContours {
                            [&](std::uint32_t structure) { return common_.may_get(structure, number_[v]); });
     }
 
-    // Puts the vertices of other structures that lie beside a segment into it: into the nearest of a
-    // structure's.
+    // Inserts vertices of other structures into the segments beside them; of one structure's, into the nearest.
     void take_vertices() {
         std::vector<Segment2> boxes;  // wider by half the width: they meet where segments are nearer than it
         std::vector<Place> at;
@@ -215,13 +213,13 @@ class SliceLines : public ConflatedContours {
         const std::vector<Edge> owners = owned();
         std::vector<Beside> found;
         const auto consider = [&](Place from, Place to) {
-            // The first end of the one beside the other.
+            // This looks at the first end of one segment beside the other segment.
             const std::uint32_t v = loops_[from[0]].vertices[from[1]];
             const ConflatedContour& loop = loops_[to[0]];
             if (!common_.may_get(loop.structure, number_[v])) return;
             if (std::binary_search(owners.begin(), owners.end(), Edge{loop.structure, v})) return;
             const Vec2 a = at_[loop.vertices[to[1]]], b = at_[loop.next_of(to[1])];
-            // Beside one that could not become one with it, it would make an edge shorter than the width.
+            // A vertex near an end that it could not become would make an edge shorter than the width.
             for (const std::uint32_t end : {loop.vertices[to[1]], loop.next_of(to[1])}) {
                 const bool common = number_[end] != no_vertex || number_[v] != no_vertex;
                 if (common && length(at_[v] - at_[end]) < width_) return;
@@ -241,7 +239,7 @@ class SliceLines : public ConflatedContours {
         put_in(by_all(nearest(std::move(found))));
     }
 
-    // Without those that not all contours with the segment take: they would leave each other.
+    // Drops vertices that not all contours with the segment take, because these would leave each other.
     std::vector<Beside> by_all(std::vector<Beside> taken) const {
         const auto ends = [&](std::uint32_t l, std::uint32_t n) {
             const std::uint32_t a = loops_[l].vertices[n], b = loops_[l].next_of(n);
@@ -270,7 +268,7 @@ class SliceLines : public ConflatedContours {
         return taken;
     }
 
-    // Of two segments, whose vertices are `edges`.
+    // Two segments, whose vertices are `edges`.
     struct Crossing {
         std::array<Edge, 2> edges;  // the smaller first, in both
         std::array<Beside, 2> sides;
@@ -278,9 +276,9 @@ class SliceLines : public ConflatedContours {
         Vec2 at;
     };
 
-    // Segments of different structures that cross in the plane and pass each other in space, for their points
-    // lie off it by what a file rounded away, are led through the point in the middle between them, so that
-    // both can be edges of one mesh. Not beside their ends. Says whether there were any.
+    // Segments of different structures may cross in the plane and pass each other in space. Leads both through the
+    // point in the middle between them, so that both can be edges of one mesh. Crossings beside their ends stay.
+    // Returns whether there were any.
     bool meet_at_crossings() {
         PlacedSegments placed = segments_of_all();
         const std::vector<Place>& at = placed.places;
@@ -317,7 +315,7 @@ class SliceLines : public ConflatedContours {
         return !found.empty();
     }
 
-    // The first of those made that is nearer than the width, or a new one.
+    // Returns the first made vertex that is nearer than the width, or a new one.
     std::uint32_t made_near(const Crossing& crossing, std::uint32_t first_made) {
         for (std::uint32_t v = first_made; v < points_.size(); ++v) {
             if (length(points_[v] - crossing.middle) < width_) return v;
@@ -362,7 +360,7 @@ class SliceLines : public ConflatedContours {
         return crossing;
     }
 
-    // Takes out again, and moves back, what made contours of a structure touch or cross one another.
+    // Takes back what made contours of a structure touch or cross one another.
     void take_back() {
         for (bool again = true; again;) {
             again = false;

@@ -10,7 +10,7 @@ namespace anatomesh {
 
 namespace {
 
-// Of merge_coincident(), close_slivers() and close_gaps(): how much was changed, and where most.
+// How much a step changed, and where most.
 template <class Stats>
 std::string extent_of(const Stats& stats) {
     return counted(stats.contours_changed, "contour") + " on " + counted(stats.slices, "slice") + ", " +
@@ -22,7 +22,7 @@ Place worst_place(const ContourSet& kept, const Stats& stats, const char* measur
             "at most " + significant_text(stats.widest_mm, 3) + " " + measure};
 }
 
-// Lines that structures share but for what a hand or a file rounded away.
+// Shares lines that differ by what a hand or a file rounded away.
 void share_copied_lines(ContourSet& kept, double width_mm, RunContext& context) {
     MergeCoincidentOptions sharing;
     sharing.width_mm = width_mm;
@@ -38,7 +38,7 @@ void share_copied_lines(ContourSet& kept, double width_mm, RunContext& context) 
                   "these structures share their boundary there; --same-line 0 keeps the contours as drawn"});
 }
 
-// Walls that were drawn once for each of the structures that share them.
+// Closes the slivers of walls that were drawn once for each of the structures that share them.
 void close_slivers_between(ContourSet& kept, double width_mm, RunContext& context) {
     CloseSliversOptions closing;
     closing.width_mm = width_mm;
@@ -55,7 +55,7 @@ void close_slivers_between(ContourSet& kept, double width_mm, RunContext& contex
          "keeps the contours as drawn"});
 }
 
-// Walls that neighbouring structures share but for less than a pixel.
+// Closes gaps of less than a pixel between neighbouring structures.
 void close_narrow_gaps(ContourSet& kept, double width_mm, RunContext& context) {
     const ConflationStats stats = close_gaps(kept, {width_mm});
     if (stats.contours_changed == 0) return;

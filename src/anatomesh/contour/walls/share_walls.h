@@ -9,7 +9,7 @@
 
 namespace anatomesh {
 
-// Widths in mm, each of the step of that name; 0: contours stay as drawn.
+// Widths in mm of the steps of these names; at 0 a step leaves contours as drawn.
 struct WallOptions {
     double same_line_mm = MergeCoincidentOptions{}.width_mm;   // [0, 0.1]
     double close_slivers_mm = CloseSliversOptions{}.width_mm;  // [0, 10]
@@ -18,8 +18,8 @@ struct WallOptions {
     bool operator==(const WallOptions&) const = default;
 };
 
-// merge_coincident(), then close_slivers(), then close_gaps(). Warnings: W-CON-027, -028, -025 say how much
-// each of them changed. Requires: a kept contour set. Guarantees and complexity: those of the three.
+// Runs merge_coincident(), then close_slivers(), then close_gaps(). Warnings: W-CON-027, -028 and -025 say how much each
+// of them changed. Requires: a kept contour set. Guarantees and complexity: those of the three.
 void share_walls(ContourSet& kept, const WallOptions& options, RunContext& context);
 
 }  // namespace anatomesh
