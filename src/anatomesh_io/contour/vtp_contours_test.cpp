@@ -133,10 +133,11 @@ TEST(VtpContours, what_is_wrong_is_named) {
     EXPECT_TRUE(fails(read({.fields = twice, .cell_data = cells}, context), "E-VTP-004", "7"));
     const std::string colors =
         array("Int32", "structure_number", 1, "7") + array("UInt8", "structure_color", 3, "1 2 3 4 5 6");
-    EXPECT_TRUE(fails(read({.fields = colors, .cell_data = cells}, context), "E-VTP-006", "in step"));
+    EXPECT_TRUE(
+        fails(read({.fields = colors, .cell_data = cells}, context), "E-VTP-006", "have different lengths"));
     const std::string planes =
         array("Float64", "slice_origin", 3, "0 0 1") + array("Float64", "slice_normal", 3, "0 0 1");
-    EXPECT_TRUE(fails(read({.fields = planes}, context), "E-VTP-006", "in step"));
+    EXPECT_TRUE(fails(read({.fields = planes}, context), "E-VTP-006", "have different lengths"));
     EXPECT_TRUE(fails(read({.fields = planes, .cell_data = array("Int32", "slice", 1, "0 1 0")}, context),
                       "E-VTP-006"));
     EXPECT_TRUE(read({.fields = planes, .cell_data = array("Int32", "slice", 1, "0 0 0")}, context).ok());

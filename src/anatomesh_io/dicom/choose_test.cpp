@@ -266,7 +266,7 @@ TEST(DicomChoice, RS30_coordinates_in_cm_or_m) {
         for (Slice& slice : set.slices) slice.plane.origin = (1 / unit) * slice.plane.origin;
         const std::string found = beside_images(set, true);
         EXPECT_NE(found.find("W-DCM-023"), std::string::npos) << found;
-        EXPECT_NE(found.find(unit == 10 ? "were cm" : "were m:"), std::string::npos) << found;
+        EXPECT_NE(found.find(unit == 10 ? "were in cm (" : "were in m ("), std::string::npos) << found;
     }
     EXPECT_EQ(beside_images(square_set(31.5, 4)).find("W-DCM-023"), std::string::npos);
 }
