@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-namespace anatomesh {
+namespace anatomesh::patch_grid_test {
 namespace {
 
 constexpr double margin = 2, radius = 12;
@@ -108,4 +108,4 @@ TEST(PatchGrid, drops_patches_that_nearer_ones_hide) {
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::patch_grid_test

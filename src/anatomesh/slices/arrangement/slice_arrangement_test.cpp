@@ -10,7 +10,7 @@
 #include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/field/rotational_fixtures_for_test.h"
 
-namespace anatomesh {
+namespace anatomesh::slice_arrangement_test {
 namespace {
 
 using namespace fixtures;
@@ -110,4 +110,4 @@ TEST(SliceArrangement, of_nothing_is_parallel_and_of_empty_slices_their_kind_alo
 }
 
 }  // namespace
-}  // namespace anatomesh
+}  // namespace anatomesh::slice_arrangement_test
