@@ -11,6 +11,7 @@ import collections
 import json
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -22,6 +23,8 @@ def sources(folder):
 
 def tags(paths):
     words = ["ctags", "--output-format=json", "--fields=+neSK", "--c++-kinds=fcsm", "-f", "-", *map(str, paths)]
+    if shutil.which("ctags") is None:
+        sys.exit("measure_structure.py: ctags was not found; install universal-ctags")
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     return [json.loads(line) for line in done.stdout.splitlines()]
 

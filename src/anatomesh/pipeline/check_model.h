@@ -19,7 +19,7 @@ struct CheckModelOptions {
 // Measures the model by measure_model(), then warns of what was measured (model_warnings.h), with contours of
 // surfaces that are joined otherwise than drawn (topology_warnings.h), and of quadratic elements that may be
 // folded. Fills of the report what measure_model() fills, and size_mm. Requires: as measure_model(). Warnings:
-// W-PIP-003 to W-PIP-015; W-ELM-002 elements without a Jacobian that is surely positive. Guarantees: the same
+// W-PIP-003 to W-PIP-015; W-ELM-002 elements whose Jacobian may not be positive everywhere. Guarantees: the same
 // at any thread count. Complexity: that of measure_model() and check_topology().
 void check_model(const CertificateInput& model, const CheckModelOptions& options, RunContext& context,
                  ModelReport& report);
