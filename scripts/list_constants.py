@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""Lists the named numbers of the sources with unit, range and source, as docs/constants.md does.
+"""Lists the named numbers of the sources with unit, range and source; docs/constants.md is to hold them.
 
-    list_constants.py              writes docs/constants.md again
-    list_constants.py --check      says which numbers have no tag, and whether docs/constants.md is out of date (exit 1)
+    list_constants.py              says which numbers have no tag, and how many sources are not recorded (exit 1 if any has no tag)
+    list_constants.py --write      writes docs/constants.md as well, if all have one
+    list_constants.py --check      says as well whether docs/constants.md is out of date (exit 1)
 
 A named number is a constexpr of an arithmetic type outside of tests. The comment on its line, or the comment block directly
 above it, ends with a tag: [unit; range; SOURCE]. SOURCE begins with a letter:
@@ -101,7 +102,7 @@ def cell(text):
 def page(found):
     kinds = collections.Counter(constant.tag["kind"] for constant in found if constant.tag)
     lines = ["# Named numbers", "",
-             "This page is written by `scripts/list_constants.py` from the comments beside the numbers; a test keeps it current.",
+             "This page is written by `scripts/list_constants.py --write` from the comments beside the numbers.",
              f"It lists {len(found)} numbers: " + ", ".join(f"{kinds[kind]} {word} ({kind})" for kind, word in KINDS.items()) + ".", "",
              "- **C**: the contract says the number to users (`base/contract.h`, documents).",
              "- **P**: a paper gives it.",
@@ -127,16 +128,19 @@ def main():
     for item in untagged:
         several = declares_several(item.value)
         print(f"{item.path}:{item.line}: {item.name} " + ("stands in one declaration with others" if several else "has no tag [unit; range; SOURCE]"))
-    if "--check" not in sys.argv[1:]:
-        PAGE.write_text(page([item for item in found if item.tag]), encoding="utf-8")
-        return 0
+    unrecorded = sum("not recorded" in item.tag["source"] for item in found if item.tag)
+    print(f"{len(untagged)} of {len(found)} named numbers have no tag; of {unrecorded} the data set is not recorded")
     if untagged:
-        print(f"{len(untagged)} of {len(found)} named numbers have no tag; the head of scripts/list_constants.py explains it")
+        print("the head of scripts/list_constants.py explains tags")
         return 1
+    if "--write" in sys.argv[1:]:
+        PAGE.write_text(page(found), encoding="utf-8")
+        return 0
+    if "--check" not in sys.argv[1:]:
+        return 0
     if not PAGE.exists() or PAGE.read_text(encoding="utf-8") != page(found):
-        print("docs/constants.md is out of date: run scripts/list_constants.py")
+        print("docs/constants.md is out of date: run scripts/list_constants.py --write")
         return 1
-    print(f"{len(found)} named numbers have unit, range and source")
     return 0
 
 

@@ -48,6 +48,7 @@ class Help(harness.TestCase):
             completion = self.run_program("completion", "fish").out
             options = re.findall(rf"_from {verb}'.* -l ([a-z-]+)", completion)
             text = self.run_program(verb, "--help-all").out
+            self.assertTrue(options, verb)
             for option in options:
                 self.assertRegex(text, rf"(?m)^  (-\w, )?--{option}\b", verb)
 

@@ -12,7 +12,7 @@
 #include "anatomesh/field/model/volume.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 
-namespace anatomesh::levels_test {
+namespace anatomesh::slice_knots_test {
 namespace {
 
 using namespace fixtures;
@@ -470,4 +470,4 @@ TEST(SliceKnots, tell_their_parts) {
 }
 
 }  // namespace
-}  // namespace anatomesh::levels_test
+}  // namespace anatomesh::slice_knots_test

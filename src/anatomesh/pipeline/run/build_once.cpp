@@ -229,10 +229,11 @@ RunScore score_of_run(const RunState& run, const Result<Model>& model) {
     facts.segments_missed = run.routed.segments_missed;
     facts.has_segments_beside = run.routed.has_segments_beside;
     facts.drawn_segments = run.source.points.size();
+    // Or it was not looked at.
+    const bool is_contradicted = run.prepared && !run.prepared->contradicted.empty();
+    facts.contradicted = !effort.is_apart() && (!effort.fits_sections || is_contradicted);
     if (!model.ok()) return score_of(model, run.model.report, facts);
     const ModelReport& report = model.value().report;
-    // Or it was not looked at.
-    facts.contradicted = !effort.is_apart() && (!effort.fits_sections || !run.prepared->contradicted.empty());
     facts.torn = tore_a_structure(run);
     facts.spurious_joints = spurious_places(run.topology);
     facts.deviates = effort.conforming && effort.is_dense() &&

@@ -149,6 +149,10 @@ TEST(Effort, recovery_costs_less_after_each_run_that_was_ill_shaped) {
         ASSERT_TRUE(effort.recovery);
         EXPECT_LE(effort.recovery->most_more_bad, most_more_bad);
         EXPECT_GE(effort.recovery->least_shape, least_shape);
+        if (failures > 0) {
+            EXPECT_TRUE(effort.recovery->most_more_bad < most_more_bad ||
+                        effort.recovery->least_shape > least_shape);
+        }
         EXPECT_EQ(effort.recovery->few_missing > 0, failures == 0);
         EXPECT_GT(effort_at_pole(effort).recovery->few_missing, 0u);
         most_more_bad = effort.recovery->most_more_bad;

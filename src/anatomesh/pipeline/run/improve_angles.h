@@ -9,7 +9,7 @@
 
 namespace anatomesh {
 
-// improve_dihedrals() with what is drawn, as the run's effort has it. `fixed` grows by the vertices that are
+// improve_mesh() with what is drawn, as the run's effort has it. `fixed` grows by the vertices that are
 // made. Contour segments that are edges of the surface stay edges of it.
 MeshImprovementStats improve_angles(const PreparedRun& run, const ImproveInput& input, WorkingMesh& working,
                                     std::vector<std::uint8_t>& fixed, RunContext& context);

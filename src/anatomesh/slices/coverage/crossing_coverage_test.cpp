@@ -7,7 +7,7 @@
 
 #include "anatomesh/slices/coverage/slice_coverage.h"
 
-namespace anatomesh::unknown_coverage_test {
+namespace anatomesh::crossing_coverage_test {
 namespace {
 
 // A stack of discs of one structure 2 mm apart, and one of another structure whose planes lie `offset` mm
@@ -89,4 +89,4 @@ TEST(CrossingCoverage, a_slice_that_is_left_out_of_many_says_outside) {
 }
 
 }  // namespace
-}  // namespace anatomesh::unknown_coverage_test
+}  // namespace anatomesh::crossing_coverage_test
