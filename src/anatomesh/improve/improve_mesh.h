@@ -16,7 +16,7 @@ namespace anatomesh {
 
 // Cells inside (of a region other than 0) with a dihedral angle below the target are improved, the worst
 // first. The hill climber tries local operations on each and makes those that raise the least sine of all
-// cells concerned. The steps in their order (improve_mesh.cpp lists them; climb/climb_profile.h has the
+// cells concerned. The steps in their order (improve_mesh.cpp lists them; climb/climb_profile.cpp has the
 // bounds of each pass):
 //  - Subsegments beside their surface are kept as edges. Spikes and pits are removed from surfaces
 //    (remove_spikes.h), and subsegments are recovered on their surface (recover_on_surface.h).

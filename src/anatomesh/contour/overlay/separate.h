@@ -1,4 +1,4 @@
-// close_corridors and separate_rings: the two repairs of rings that may move a vertex.
+// close_corridors, close_keyholes and separate_rings: the repairs of rings that may move a vertex.
 #pragma once
 
 #include <cstdint>

@@ -22,7 +22,8 @@ struct ResolveOptions {
     bool unite_repeated_planes = false;
     // A repair that makes a larger share of a contour's area ambiguous is refused. [0, 1]; 1: never refused
     double max_repair_area_share = 0.05;
-    // A keyhole's corridor no wider than this is closed, so that outer contour and holes part. [0, 1]
+    // A corridor without width, but for rounding and up to this, is closed: one contour was drawn through its holes.
+    // keyhole_mm is for corridors that were drawn with a width. [0, 1]
     double corridor_mm = 0.05;
     // A corridor of up to this width is closed as well, if it is straight, ten times as long as it is wide, and
     // leads to a hole. Left open it would be a slit from slice to slice, or a tunnel where it turns. [0, 10]

@@ -9,13 +9,13 @@
 // and each run costs three times the one before it.
 //
 // Where contour segments were split for each other's sake (planes that cross) and that broke the contract or
-// left ill-shaped cells, it is luck which, a few in tens of thousands: it is done again with slightly shorter
-// edges first, and given up only then; at once where more than a hundredth of the cells are ill-shaped though
+// left ill-shaped cells, it is luck which, a few in tens of thousands: it is done again with a slightly finer
+// size first, and given up only then; at once where more than a hundredth of the cells are ill-shaped though
 // nothing forces them. One of the models so made is taken after all where the one without lacks far more
 // segments (has_more_contours()): then none finer is tried.
 //
 // Guarantees: at most `most_finer` finer runs, `most_same` of one size, and `most_conforming` slightly
-// shorter ones. O(1).
+// finer ones. O(1).
 #pragma once
 
 #include <array>

@@ -13,8 +13,8 @@ namespace anatomesh {
 // its own spacing, and others between these, for others' sake, say nothing about it (a guess, to be told):
 // - where it has three slices or more, and most of its gaps hold others: its own alone cover it;
 // - where it has four or more, and all its gaps are as wide (within 5 % of the first): its own alone cover
-// it; - where its gaps that hold none are even (two in three of them, three at least, within 5 % of their
-// lower
+//   it;
+// - where its gaps that hold none are even (two in three of them, three at least, within 5 % of their lower
 //   median): one that holds others and is as wide as these is not a gap, and what is in it does not cover it.
 //   One twice as wide is: there it was not drawn where it would have been, unless it was, on slices
 //   `left_out` of the set that part the gap as wide.
