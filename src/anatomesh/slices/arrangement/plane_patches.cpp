@@ -9,12 +9,25 @@ namespace anatomesh {
 
 namespace {
 
+// Planes that lean by more than 30 degrees bound no gap together: beyond it the way to the other plane says
+// little of a spacing. [1, cosine; 0 to 1; D]
 constexpr double cos_30 = 0.866;
-constexpr double cos_of_series = 0.9999985;  // 0.1 degrees: of images of one series
-constexpr double covered_share = 0.75;       // of a slice's box by that of another one with its frame
-constexpr std::size_t crowd = 4;             // neighbours that share the room on both sides of a place
-constexpr std::size_t least_crowded = 12;    // planes
-constexpr double least_sine = 1e-4;          // planes at a smaller angle have no common line worth the name
+// Images of one series have one frame. They agree within 0.1 degrees, the rounding of their directions in
+// files. [1, cosine; 0 to 1; D digits of files]
+constexpr double cos_of_series = 0.9999985;
+// A slice takes over the frame of another one that covers this share of its own box: two narrow passes side
+// by side must not deny each other.
+// [1, of an area; 0 to 1; M 2026-11 two balls by axial and sagittal slices, 14 drawings of two organs]
+constexpr double covered_share = 0.75;
+// So many neighbours share the room on both sides of a place, two on each: one alone may be near by chance.
+// [planes, even; >= 2; M 2026-11 random solids]
+constexpr std::size_t crowd = 4;
+// Among fewer planes none is near another one by chance, and the nearest one gives the spacing.
+// [planes; > crowd; M 2026-11 random solids]
+constexpr std::size_t least_crowded = 12;
+// Planes at a smaller angle have no common line: rounding alone would say where it is.
+// [1, sine; 0 to 1; D rounding of doubles]
+constexpr double least_sine = 1e-4;
 
 std::array<Vec3, 4> corners(const PlanePatch& patch, double margin) {
     const Box2 box = patch.box.grown(margin);

@@ -41,7 +41,8 @@ std::vector<PlanePatch> plane_patches(const ContourSet& set);
 std::vector<Box2> frames_of_slices(const ContourSet& set, const std::vector<PlanePatch>& patches,
                                    double margin);
 
-// Planes that cross are dense where vertices along the contours are more than so many spacings apart.
+// Planes that cross are dense where vertices along the contours are more than so many spacings apart: then
+// contours show less than planes do. [plane spacings; > 0; M 2026-11 dense freehand planes]
 inline constexpr double dense_spacing = 1.5;
 
 struct PlaneSpacings {

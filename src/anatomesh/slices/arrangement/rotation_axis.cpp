@@ -11,9 +11,15 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t fewest_beside = 8;  // planes beside an axis: an axis and a distance fit fewer by chance
-constexpr double widest_beside = std::numbers::pi / 3;  // angle between two of them
-constexpr double most_left = 0.0625;                    // of the squares of what planes are off
+// An axis and a distance from it fit fewer planes by chance.
+// [planes; >= 5; M 2026-11 planes beside their axis]
+constexpr std::size_t fewest_beside = 8;
+// Planes beside an axis lean by no more against the next one, 60 degrees: over wider gaps a distance from the
+// axis says nothing. [rad; 0 to pi / 2; M 2026-11 planes beside their axis]
+constexpr double widest_beside = std::numbers::pi / 3;
+// A fit beside the axis must leave no more of the squares that the fit through it leaves, a quarter of the
+// distances: else the simpler fit holds. [1; 0 to 1; M 2026-11 planes beside their axis]
+constexpr double most_left = 0.0625;
 
 // dot(normal, x) = distance, x from the middle of the contours.
 struct Row {

@@ -13,8 +13,8 @@ struct Axis {
     double beside = 0;
 };
 
-// Planes beside an axis leave room about it: so many times as far off as they are beside it they tell
-// something all the same.
+// Planes beside an axis leave room about it, which none passes: they tell something so many times as far off
+// as they are beside it. [distances beside the axis; > 1; M 2026-11 planes beside their axis]
 inline constexpr double reach_across_axis = 3;
 
 // Least along the planes' normals, and nearest to all planes in the sense of least squares; or, where that

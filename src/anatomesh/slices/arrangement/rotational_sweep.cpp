@@ -13,26 +13,69 @@ namespace anatomesh {
 
 namespace {
 
+// A full turn. [rad; 2 pi; D]
 constexpr double turn = 2 * std::numbers::pi;
+// Two planes have four half-planes, the fewest that follow each other all round. [slices; >= 2; D]
 constexpr std::size_t fewest_slices = 2;
-constexpr double most_angle = turn * 179 / 360;  // between neighbours,
-constexpr double least_outside = turn / 2;       // but where they are on one side of the axis alone
+// Neighbours are no further apart: half a turn would leave them in one plane. [rad; 0 to pi; D]
+constexpr double most_angle = turn * 179 / 360;
+// A gap of half a turn or more is none: all slices lie on one side of the axis, and nothing is drawn beyond.
+// [rad; pi; D]
+constexpr double least_outside = turn / 2;
+// Wider gaps are joined by no option: beyond 110 degrees nothing says that the structure goes on.
+// [rad; 0 to pi; M 2026-11 planes about an axis that leave a gap]
 constexpr double most_joined = turn * 110 / 360;
-constexpr double joined_of_asked = 1.25, few_of_asked = 1.75, few_joined = turn * 31 / 360;
+// Gaps are joined up to this multiple of --max-gap: planes turned by hand differ more than slices of a stack.
+// [1; >= 1; M 2026-11 planes about an axis that leave a gap]
+constexpr double joined_of_asked = 1.25;
+// Narrow gaps are joined up to this multiple of --max-gap: the chord across them is short.
+// [1; >= joined_of_asked; M 2026-11 planes about an axis that leave a gap]
+constexpr double few_of_asked = 1.75;
+// A gap is narrow up to this angle, 31 degrees: 30 and rounding.
+// [rad; 0 to most_joined; M 2026-11 planes about an axis that leave a gap]
+constexpr double few_joined = turn * 31 / 360;
+// What is round the axis goes on over wider gaps, up to 75 degrees: both sides show it.
+// [rad; 0 to most_joined; M 2026-11 planes over 130 degrees of a half turn]
 constexpr double joined_round_axis = turn * 75 / 360;
-constexpr double most_round_axis = 0.5;  // of what is drawn
-constexpr double widened = 4;            // a wide gap's angle counts in full from a quarter of it on
-constexpr double open_gap = 1e7;         // usual heights, that an open gap is wider than it is
-constexpr double wide = 1.5, always_wide = turn * 95 / 360;  // that is told of
-constexpr double least_angle = 1e-6;                         // less is one plane
-constexpr double most_lean = 0.5;                            // sine of a plane's angle with the axis
-constexpr double most_crossing = 1;   // of the mean radius: up to there neighbours may cross
-constexpr double share_apart = 0.5;   // of neighbours, that are apart from there on
-constexpr double middle_half = 0.5;   // of the way along the axis, that they are looked at for it
-constexpr double off_foot = 1.25;     // times how far a plane is beside the axis: from there on it leads away
-constexpr double least_reach = 0.25;  // of half-planes, of the median one
-constexpr double rounding = 1e-6;     // of the mean radius
-constexpr std::ptrdiff_t repeated = 4;  // half-planes before the first turn and after it
+// More than this share of the area drawn beside a gap must lie round the axis for that: else two bodies
+// beside the axis would be bridged. [1, of an area; 0 to 1; M 2026-11 two bodies by 18 planes]
+constexpr double most_round_axis = 0.5;
+// A wide gap's angle counts in full from a quarter of it on, the inverse of this: so the clamp changes
+// without a step at a slice. [1; >= 2; D]
+constexpr double widened = 4;
+// An open gap is so many usual heights wider in the chart than it is, so that no search reaches across it.
+// [usual heights; >= 1e3; D]
+constexpr double open_gap = 1e7;
+// Gaps are told of that are wider than so many usual ones, as in a stack. [usual angles; >= 1; C]
+constexpr double wide = 1.5;
+// Gaps above this angle, 95 degrees, are told of however wide the usual ones are: two planes at right angles
+// are none. [rad; pi / 2 to pi; C]
+constexpr double always_wide = turn * 95 / 360;
+// Half-planes at a smaller angle are one plane that was given twice. [rad; 0 to 1e-3; D rounding of doubles]
+constexpr double least_angle = 1e-6;
+// A plane that leans more against the axis, by 30 degrees, is no half-plane about it.
+// [1, sine; 0 to 1; M 2026-11 planes beside their axis]
+constexpr double most_lean = 0.5;
+// Up to this distance from the axis neighbours may cross; further out the chart must be one to one.
+// [mean radii; > 0; M 2026-11 planes beside their axis]
+constexpr double most_crossing = 1;
+// More than this share of the neighbours must be apart from there on: a probe off its axis has two gaps where
+// its turn ends that never are. [1; 0 to 1; M 2026-11 planes beside their axis]
+constexpr double share_apart = 0.5;
+// Neighbours are judged on this share of the way along the axis, about its middle: planes that lean part or
+// cross near its ends. [1; 0 to 1; M 2026-11 planes that lean by 10 degrees]
+constexpr double middle_half = 0.5;
+// A plane beside the axis leads away from it from so many of its distances on; nearer it runs along the
+// circle about the axis. [distances beside the axis; > 1; M 2026-11 planes beside their axis]
+constexpr double off_foot = 1.25;
+// If contours of a half-plane reach less far than this share of the median one, it may show the edge of what
+// was drawn on the other side. [1; 0 to 1; M 2026-11 slices drawn on one side of the axis]
+constexpr double least_reach = 0.25;
+// Shorter distances are none: they come from rounding. [mean radii; 0 to 1e-3; D rounding of doubles]
+constexpr double rounding = 1e-6;
+// So many half-planes come again before the first turn and after it, because the curvature of a gap asks for
+// slices beyond it. [half-planes; >= 2; D]
+constexpr std::ptrdiff_t repeated = 4;
 
 }  // namespace
 

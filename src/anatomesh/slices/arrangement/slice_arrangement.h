@@ -40,7 +40,7 @@ struct SliceArrangement {
     bool is_stack() const { return is_parallel() || kind == ArrangementKind::sweep; }
 };
 
-// Gaps of that many usual angles are joined by default. [usual angles; >= 1; M 2026-11, set not recorded]
+// Gaps of that many usual angles are joined by default: one slice left out is no gap. [usual angles; >= 1; C]
 inline constexpr double default_max_gap = 2;
 
 // Says how the slices of a set lie. `max_gap`: usual angles about an axis that are joined, at least 1; it

@@ -14,9 +14,15 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_gap_share = 0.2;       // of two slices that do not nearly cross, of their mean one
-constexpr std::size_t least_stack = 4;        // slices
-constexpr std::size_t stack_to_crossing = 3;  // as many slices at least
+// Two slices nearly cross that are somewhere nearer than this share of their mean distance, and then no chart
+// holds both. [1; 0 to 1; M 2026-11 cups, hollow cylinders and balls with crossing planes]
+constexpr double least_gap_share = 0.2;
+// Fewer slices are no stack: their local spacing is not known.
+// [slices; >= 2; M 2026-11 cups, hollow cylinders and balls with crossing planes]
+constexpr std::size_t least_stack = 4;
+// A stack has at least so many slices for each crossing plane, so that the crossing ones correct it and do
+// not make it. [1; >= 1; M 2026-11 cups, hollow cylinders and balls with crossing planes]
+constexpr std::size_t stack_to_crossing = 3;
 
 std::array<Vec3, 4> corners_of(const PlanePatch& patch) {
     const Box2& box = patch.box;

@@ -49,8 +49,8 @@ class Sweep {
         double height;        // straight
         std::uint32_t slice;  // of the set
     };
-    // Where planes spread, a millimetre of the chart is so many at most: twice, for gaps of a fifth to twice
-    // their mean are nearly all.
+    // Where planes spread, a millimetre of the chart is so many in space at most: gaps of a fifth to twice
+    // their mean are nearly all. [mm per mm; >= 1; D]
     static constexpr double most_stretched = 2;
 
     std::vector<Layer> layers_;  // in the order of the sweep

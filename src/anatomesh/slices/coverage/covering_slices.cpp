@@ -12,9 +12,15 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double same_spacing = 0.05;    // gaps that differ by less than this share of the larger are alike
-constexpr std::size_t fewest_gaps = 3;   // that show a spacing
-constexpr std::size_t fewest_drawn = 3;  // that show slices of one's own
+// Gaps are alike that differ by less than this share of the larger, because files round the positions of
+// slices. [1; 0 to 1; M 2026-11 stacks with a slice more or less]
+constexpr double same_spacing = 0.05;
+// Fewer gaps show no spacing: two may be alike by chance.
+// [gaps; >= 2; M 2026-11 organs drawn every few slices of a lesion]
+constexpr std::size_t fewest_gaps = 3;
+// Fewer slices show no slices of a structure's own.
+// [slices; >= 3; M 2026-11 organs drawn every few slices of a lesion]
+constexpr std::size_t fewest_drawn = 3;
 
 bool alike(double a, double b) {
     return std::abs(a - b) <= same_spacing * std::max(a, b);
@@ -83,7 +89,9 @@ std::vector<std::uint32_t> covering_slices(const std::vector<std::uint32_t>& dra
 }
 
 std::vector<double> heights_left_out(const ContourSet& set, std::uint32_t structure, Vec3 middle, Vec3 way) {
-    constexpr double across = 0.9;  // of the slices' normals, along the way
+    // A slice that was left out lies across the way if its normal keeps this cosine with it, 26 degrees;
+    // others part no gap of it. [1, cosine; 0 to 1; D]
+    constexpr double across = 0.9;
     std::vector<double> heights;
     if (structure >= set.structures.size()) return heights;
     for (const LeftOutSlice& slice : set.left_out) {

@@ -13,7 +13,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double same_direction = 0.866;  // cosine of the angle between planes: 30 degrees
+// Planes within 30 degrees, of which this is the cosine, show one side of a structure; others cross it.
+// [1, cosine; 0 to 1; M 2026-11 two balls, 17 slices and a long axis of one]
+constexpr double same_direction = 0.866;
 
 // On which side of the slice those of its own direction draw the structure, -1 or 1; 0: on both or not at
 // all.
