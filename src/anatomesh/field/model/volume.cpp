@@ -12,9 +12,15 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double block_steps = 3;  // edge of a block, in steps of the lattice that is counted
-constexpr double steepest = 1.5;   // where all slices agree, distances change by no more than this per length
-constexpr std::uint32_t fewest_points = 100000;  // over the box of one of several structures
+// A block whose corners are far from every interface is counted as a whole. Larger blocks skip less, smaller
+// ones ask more often. [steps of the lattice; > 1; B]
+constexpr double block_steps = 3;
+// Where all slices agree, distances change by no more than this per length, so a corner that far away clears
+// its block. [1; >= 1; M 2026-11 500 random solids]
+constexpr double steepest = 1.5;
+// One of several structures gets at least so many points over its box, so that a small one beside large ones
+// is as exact. [points; >= 1e4; M 2026-11 5 mm in 260 mm]
+constexpr std::uint32_t fewest_points = 100000;
 
 // A box in blocks. Where the slices that count in a block agree on it, and the field at its eight corners
 // lies in one region and so far from the next that no end of the sweep can come into the block, that is the

@@ -17,8 +17,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double lattice_share = 5;   // of the points that a volume by itself takes
-constexpr double hardly_any = 0.002;  // of a structure: so little of it outside another one, or in it
+// Whether a structure is parted at all is asked with so many times fewer points than its volume takes.
+// [1; > 1; B]
+constexpr double lattice_share = 5;
+// If less than this share of a structure lies outside another one, or in it, its volume is not parted: it
+// would be a small difference of large numbers. [1, of the volume; 0 to 0.1; M 2026-11 a heart]
+constexpr double hardly_any = 0.002;
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
 using Fields = std::vector<std::shared_ptr<const StructureField>>;

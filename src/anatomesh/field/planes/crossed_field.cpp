@@ -20,14 +20,29 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double leaning_degrees = 30;      // a slice that leans no more against the stack lies in it
-constexpr double reach_spacings = 2;        // of a plane to either side
-constexpr double nearest_share = 1e-9;      // of the reach, from which a plane counts where it fades
-constexpr double most_steep = 10;           // of a value in the plane over the distance to what is drawn
-constexpr double least_steep = 0.3;         // the same, below which it gives way to the distance
-constexpr double agreeing_spacings = 0.25;  // surfaces further apart in the plane do not agree
-constexpr double trace_steps = 8;           // a spacing, where the stack's surface is traced in a plane
-constexpr double most_traced = 1e6;         // lattice points of all traces together
+// A slice that leans no more against the stack lies in it, and counts in its gaps although it was taken out.
+// [degrees; 0 to 90; D]
+constexpr double leaning_degrees = 30;
+// A crossing plane corrects the stack so far to either side, as far as a slice of the stack is heard.
+// [spacings; > 0; M 2026-11 cups, hollow cylinders and balls with crossing planes]
+constexpr double reach_spacings = 2;
+// Where a plane's share fades, it counts as from no nearer than this, so that its weight stays finite.
+// [reaches; 0 to 1e-3; D rounding of doubles]
+constexpr double nearest_share = 1e-9;
+// A value in the plane is no larger than so many distances to what is drawn: else the sign would change in
+// one step. [1; > 1; M 2026-11 cups, hollow cylinders and balls with crossing planes]
+constexpr double most_steep = 10;
+// Below this share of the distance to what is drawn the stack's value gives way to that distance, without a
+// step. [1; 0 to 1; M 2026-11 winding vessel of 1 mm]
+constexpr double least_steep = 0.3;
+// Surfaces further apart in the plane than this do not agree; nearer ones differ as drawings of one outline
+// do. [spacings; 0 to 1; M 2026-11 winding vessel of 1 mm]
+constexpr double agreeing_spacings = 0.25;
+// The stack's surface is traced in a plane with so many lattice steps a spacing: two of them are as far as
+// surfaces agree. [steps a spacing; >= 4; D]
+constexpr double trace_steps = 8;
+// All traces together have no more lattice points; beyond it the steps grow. [points; >= 1e4; B]
+constexpr double most_traced = 1e6;
 
 class CrossedField final : public FieldQueries<CrossedField> {
   public:

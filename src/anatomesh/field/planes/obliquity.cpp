@@ -11,13 +11,20 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double most_nodes = 64;         // on the longer side of a grid
-constexpr float least_obliquity = 0.05F;  // the surface has to keep off the plane but on its contours
-constexpr float hardly = 0.99F;           // a obliquity factor: from there on it is none
-// How much further the boundary may be from the point than from its foot on the other plane, a share of the
-// way there: where planes are few, as far apart as the structure is bent, feet near the boundary tell little.
+// A grid of obliquity factors has no more nodes on its longer side; beyond it the cells grow.
+// [nodes; >= 4; B]
+constexpr double most_nodes = 64;
+// No factor is smaller, because the surface has to keep off the plane but on its contours.
+// [1; 0 to 1; M 2026-11 71 sets of crossing stacks]
+constexpr float least_obliquity = 0.05F;
+// A factor from this on counts as none, and a grid without smaller ones is not kept. [1; 0 to 1; B]
+constexpr float hardly = 0.99F;
+// The boundary may be this share of the way further from the point than from its foot on the other plane:
+// feet on few planes tell little. [1; 0 to 1; M 2026-11 ball by two planes in each direction]
 constexpr double change_on_the_way = 0.25;
-constexpr double nearest = 0.04;  // of the cell: nearer planes weigh no more
+// Planes nearer than this weigh no more, so that one at a node does not outweigh all others.
+// [cells; 0 to 1; D]
+constexpr double nearest = 0.04;
 
 // A patch near the node, with what it weighs and what is drawn near the node's foot there.
 struct Across {

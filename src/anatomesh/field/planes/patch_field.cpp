@@ -12,11 +12,20 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double most_widened = 3;          // times the usual, the radius within which patches count
-constexpr double most_gap = 2;              // spacings: no end is told by wider ones
-constexpr double obliquity_cell = 1.0 / 6;  // of the grids of obliquity factors, a share of the clamp
-constexpr double least_share = 0.01;        // of a patch that others hide: less is nothing
-constexpr double fade_of_outside = 0.01;    // weight of outside at the radius
+// Beside wide gaps patches count within so many usual radii at most, so that a point in a gap sees both sides
+// and queries stay fast. [usual radii; >= 1; M 2026-11 42 freehand planes with gaps]
+constexpr double most_widened = 3;
+// No end is told by wider gaps: what lies between two parts, or in a hole, is no gap between planes.
+// [spacings; >= 1; M 2026-11 torus by seven planes]
+constexpr double most_gap = 2;
+// Obliquity factors are found on cells of this size: they change no faster than distances do within the
+// clamp. [clamps; 0 to 1; B]
+constexpr double obliquity_cell = 1.0 / 6;
+// Of a patch that others hide down to this share nothing is left: the search for occluders ends there.
+// [1; 0 to 1; B]
+constexpr double least_share = 0.01;
+// Outside has so little weight at the radius that it decides only where no patch is heard. [1; 0 to 1; D]
+constexpr double fade_of_outside = 0.01;
 
 }  // namespace
 

@@ -86,6 +86,7 @@ class PatchField final : public FieldQueries<PatchField> {
                  const std::vector<std::uint32_t>& slices, RunContext& context);
 
   private:
+    // It stands for no structure. [index; 2^32 - 1; D]
     static constexpr std::uint32_t no_structure = 0xffffffffu;
 
     // The distance maps of a patch, and its place at the ends of a sweep.

@@ -9,13 +9,15 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t few_listed = 6;  // patches, among which hidden ones cost nothing
+// Among so few patches hidden ones cost nothing, and none is looked for. [patches; >= 2; B]
+constexpr std::size_t few_listed = 6;
 
 }  // namespace
 
 PatchGrid::PatchGrid(std::vector<PlanePatch> patches, const std::vector<std::uint32_t>& drawn,
                      const Box3& box, double radius, double margin, int threads)
     : patches_(std::move(patches)), box_(box), radius_(radius), margin_(margin) {
+    // The grid has no more cells; beyond it they grow. [cells; >= 1; B]
     constexpr double most_cells = 1 << 18;
     const Vec3 size = box_.high - box_.low;
     const double cell = std::max(0.5 * radius_, std::cbrt(size.x * size.y * size.z / most_cells));
@@ -100,6 +102,8 @@ bool PatchGrid::is_before(Vec3 p, double reach, const PlanePatch& patch) const {
 // Leaves out those of a cell's patches that count nowhere in it.
 void PatchGrid::drop_hidden(Vec3 center, double half, std::vector<std::uint32_t>& list,
                             std::vector<Beside>& beside) const {
+    // So many of the nearest patches are asked whether they hide others: further ones hide little more.
+    // [patches; >= 2; B]
     constexpr std::size_t most_hiders = 4;
     std::array<Beside, most_hiders> occluders;
     std::size_t count = 0;

@@ -19,6 +19,7 @@ class PatchGrid {
   public:
     static constexpr std::uint32_t most_near =
         16;  // patches that a query gives: the nearest [patches; > 0; B]
+    // It stands for no patch. [index; 2^32 - 1; D]
     static constexpr std::uint32_t no_patch = 0xffffffffu;
 
     struct Key {

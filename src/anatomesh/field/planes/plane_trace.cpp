@@ -12,7 +12,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int halvings = 10;  // of a step, to the boundary
+// A boundary point is found by so many halvings of a step, to a thousandth of it. [halvings; >= 1; D]
+constexpr int halvings = 10;
 
 class Lattice {
   public:

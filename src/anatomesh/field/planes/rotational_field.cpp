@@ -19,8 +19,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double near_vertices = 1;  // slices nearer to each other than so many mean distances of vertices
-constexpr double any_gap = 1e6;      // spacings: the sweep has none that is not to be joined
+// Where slices are nearer to each other than so many mean distances of vertices, planes in any position
+// decide: contours are not drawn as finely. [mean vertex distances; > 0; M 2026-11 random sets about an axis]
+constexpr double near_vertices = 1;
+// The sweep in the chart joins every gap up to this: which ones are joined was decided by angle before.
+// [spacings; >= 1e3; D]
+constexpr double any_gap = 1e6;
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
 using Field = std::shared_ptr<const StructureField>;

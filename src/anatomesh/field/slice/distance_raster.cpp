@@ -14,11 +14,18 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t cell_pixels = 8;  // of the coarse grid of upper bounds, along each axis
-constexpr double shared_slack = 1e-6;     // pixels by which neighbouring pieces of one edge or vertex overlap
-constexpr double end_slack = 1e-10;       // pixels by which an edge's strip passes the edge's ends
-constexpr double worth_a_cut = 0.5;       // pixels of a wedge's corner that a cut must take off
-constexpr int most_cuts = 24;             // of a wedge
+// So many pixels along each axis are a cell of the coarse grid of upper bounds. [pixels; >= 2; B]
+constexpr std::uint32_t cell_pixels = 8;
+// Neighbouring pieces of one edge or vertex overlap by this, so that rounding leaves no pixel between them.
+// [pixels; 0 to 0.01; D rounding of doubles]
+constexpr double shared_slack = 1e-6;
+// An edge's strip passes the edge's ends by this, so that rounding loses no pixel beside a vertex.
+// [pixels; 0 to shared_slack; D rounding of doubles]
+constexpr double end_slack = 1e-10;
+// A cut must take so much off a wedge's corner: smaller ones save no pixel. [pixels; > 0; B]
+constexpr double worth_a_cut = 0.5;
+// A wedge is cut no more often; what it keeps too much costs time alone. [cuts; >= 1; B]
+constexpr int most_cuts = 24;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Vec2 unit_of(Vec2 v) {
@@ -180,6 +187,8 @@ class Polygon {
     }
 
   private:
+    // A wedge has four corners, and gets one more for each of two sides and of its cuts, and two for
+    // rounding. [corners; most_cuts + 8; D]
     static constexpr int capacity = 4 + 2 + most_cuts + 2;
     std::array<Vec2, capacity> corners_, spare_;
     int count_ = 0;
@@ -306,6 +315,7 @@ class Raster {
     // from the line.
     void fill_strip(Vec2 a, Vec2 unit, double start, double end, const Box2& box) {
         const double columns = (end - start) / std::abs(unit.x) / grid_.step.x;
+        // Strips of fewer columns are filled row by row. [columns; >= 1; B]
         constexpr double few = 6;
         if (columns < few) return fill_narrow_strip(a, unit, start, end, columns, rows_of(box));
         Piece strip(grid_, box);

@@ -14,7 +14,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double even_share = 0.02;  // of the spacing, by which a slice may be off its place
+// A slice may be so far off its place in an even stack, because headers round positions.
+// [spacings; 0 to 0.5; D digits of files]
+constexpr double even_share = 0.02;
 
 Error stack_error(ErrorKind kind, const char* code, std::string message, const ContourSet& set,
                   std::string slice, std::string next_step) {

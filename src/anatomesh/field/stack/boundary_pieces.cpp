@@ -7,12 +7,21 @@ namespace anatomesh {
 
 namespace {
 
-// All in gaps between the two slices.
-constexpr double piece_length = 0.5;  // longer edges are matched in pieces
-constexpr double facing_reach = 0.5;  // a piece faces across the chord this far along the boundary both ways
-constexpr double search_reach = 3.5;  // no boundary moves further
-constexpr double turn_cost = 0.5;  // a match that turns by a right angle costs as much as one this far away
-constexpr double least_cosine = 0.3;  // pieces that face further apart are never matched
+// Longer edges are matched in pieces of this length, as long as the steps of the lattice on which the motion
+// is kept. [gaps; > 0; D]
+constexpr double piece_length = 0.5;
+// A piece faces across the chord that ends this far along the boundary on both sides, so that steps of pixels
+// do not count. [gaps; > 0; M 2026-11 skull, slices left out]
+constexpr double facing_reach = 0.5;
+// No boundary moves further; a cap that ends may (nested_outlines.h).
+// [gaps; > 0; M 2026-11 skull, slices left out]
+constexpr double search_reach = 3.5;
+// A match that turns by a right angle costs as much as one this far away.
+// [gaps; > 0; M 2026-11 skull, slices left out]
+constexpr double turn_cost = 0.5;
+// Pieces that face further apart than 72 degrees, of which this is the cosine, are never matched: outer walls
+// match outer walls. [1, cosine; 0 to 1; M 2026-11 skull, slices left out]
+constexpr double least_cosine = 0.3;
 
 // The point `reach` along the boundary from the middle of piece p, with `step` from piece to piece.
 Vec2 along(const Boundary& boundary, std::uint32_t p, const std::vector<std::uint32_t>& step, bool forward,

@@ -9,8 +9,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t outline_points_asked =
-    128;  // of an outline, which ones of the other slice they lie in
+// So many points of an outline, evenly spread, say in which ones of the other slice it lies.
+// [points; >= 8; B]
+constexpr std::uint32_t outline_points_asked = 128;
 
 std::uint32_t count_solid(const Outlines& outlines) {
     std::uint32_t solid = 0;

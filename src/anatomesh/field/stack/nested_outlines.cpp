@@ -8,9 +8,14 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_difference = 3.1;    // of the radii, gaps: some pieces find nothing within 3.5
-constexpr double reach_share = 2;           // of the difference of the radii
-constexpr std::uint32_t points_asked = 32;  // of an outline, whether they lie within another
+// Outlines whose radii differ by less find their pieces by the usual search; from here on some pieces find
+// nothing within search_reach. [gaps; 0 to search_reach; M 2026-11 head CT, every second slice out]
+constexpr double least_difference = 3.1;
+// Of two such outlines, pieces are matched within so many differences of their radii: an outline need not lie
+// in the middle of the other. [differences of radii; >= 1; M 2026-11 head CT, every second slice out]
+constexpr double reach_share = 2;
+// So many points of an outline, evenly spread, say whether it lies within another one. [points; >= 8; B]
+constexpr std::uint32_t points_asked = 32;
 
 enum class Share { none, some, all };
 

@@ -6,11 +6,17 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double bluntest = 8;  // gaps to where the area would be nothing; beyond, a part ends flat
-// Gaps; a paraboloid cap stays off the next slice, which shows nothing of the part.
+// A part whose area would be nothing only after so many gaps ends flat: the fall of its area tells no end.
+// [gaps; > 1; M 2026-11 shells of 40 to 100 mm]
+constexpr double bluntest = 8;
+// A paraboloid cap is no higher, and so stays off the next slice, which shows nothing of the part.
+// [gaps; 0 to 1; M 2026-11 shells of 40 to 100 mm]
 constexpr double highest = 0.85;
-constexpr double widest_reach = 2.5;  // greatest depths: how much wider the part before is looked for
-constexpr int depth_lattice = 32;     // points a side over a section, to find where it is deepest
+// How much wider the part was on the slice before is looked for within so many greatest depths.
+// [greatest depths; >= 1; B]
+constexpr double widest_reach = 2.5;
+// The deepest place of a section is found on a lattice of so many points a side. [points; >= 8; B]
+constexpr int depth_lattice = 32;
 
 double greatest_depth(const DistanceMap& section) {
     const Box2& box = section.region_box();

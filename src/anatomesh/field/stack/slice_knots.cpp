@@ -21,13 +21,18 @@ double lower_median(std::vector<double> values) {
     return *middle;
 }
 
-constexpr double same_spacing = 0.05;  // gaps that differ by less than this share of the larger are alike
+// Gaps are alike that differ by less than this share of the larger, because files round the positions of
+// slices. [1; 0 to 1; M 2026-11 stacks with a slice more or less]
+constexpr double same_spacing = 0.05;
 
-// Of the gap asked for: two spacings of slices that lean against each other, or whose places were rounded,
-// are a little more than twice one.
+// Gaps are joined up to this multiple of what is asked for: two spacings of slices that lean, or whose places
+// were rounded, are a little more than twice one. [1; >= 1; M 2026-11 a slice left out in a sweep of nine]
 constexpr double joined_more = 1.02;
-constexpr double hardly_wider = 1.5;  // spacings: more is a gap to tell of
-constexpr double most_uneven = 2;     // times the median of uneven gaps, what is usual among them
+// A wider gap that is joined is told of: half a slice more than usual is no rounding. [spacings; > 1; C]
+constexpr double hardly_wider = 1.5;
+// Of uneven gaps none above this multiple of their median is usual.
+// [median gaps; > 1; M 2026-11 liver, vertebra and spleen by slices 1.5 to 6 mm apart]
+constexpr double most_uneven = 2;
 
 // The spacing that most of a few neighbouring gaps share, from an end inwards, one slice left out where that
 // makes more of them alike; of several as good that of the gap nearest to the end, or nothing. So neither one

@@ -19,6 +19,7 @@ namespace anatomesh {
 struct SliceKnot {
     double low = 0, high = 0;
     std::uint32_t slice = no_slice;
+    // It stands for no slice. [index; 2^32 - 1; D]
     static constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
 };
 

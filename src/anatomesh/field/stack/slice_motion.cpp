@@ -13,13 +13,21 @@ namespace anatomesh {
 
 namespace {
 
-// All in gaps between the two slices.
-constexpr double return_tolerance = 0.5;  // a match that leads back this far from its start counts half
-constexpr double rest = 0.1;              // length of unmoved boundary that every average contains
+// A match that leads back this far from its start counts half: it is not sure.
+// [gaps; > 0; M 2026-11 skull, slices left out]
+constexpr double return_tolerance = 0.5;
+// Every average contains so much boundary that does not move, so that the motion fades where nothing is
+// matched. [gaps, of length; > 0; M 2026-11 skull, slices left out]
+constexpr double rest = 0.1;
+// The motion is kept on a lattice of this step: it is an average over several steps and changes little within
+// one. [gaps; > 0; B]
 constexpr double lattice_step = 0.5;
-constexpr double nearest_share = 1.1;  // a part this much further away than the nearest boundary counts as it
+// A part this much further away than the nearest boundary counts as it: the two are one within the lattice.
+// [1; >= 1; D]
+constexpr double nearest_share = 1.1;
 constexpr std::array<double, 3> averaging{4.4, 2.8, 1.8};  // radius of the neighbourhood, round by round
-constexpr std::uint32_t most_columns = 12;  // of a lattice within a radius, which is four steps at most
+// A radius of averaging is four steps of a lattice at most, so it covers no more columns. [columns; 12; D]
+constexpr std::uint32_t most_columns = 12;
 
 // Nodes at multiples of `step` that cover a box. `most` bounds their number.
 struct Lattice {

@@ -13,10 +13,17 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_matched = 0.5;  // share of an outline that must correspond for it to move
-constexpr double most_covered = 0.5;   // share of an outline's area beyond which the union goes on
-constexpr std::size_t few_chords = 8;  // across a hole
-constexpr int covered_lattice = 24;    // points a side over an outline, to find that share
+// Of an outline this share must have a counterpart on the next slice for it to move there; else it ends.
+// [1, of its length; 0 to 1; M 2026-11 lesion of one slice, skull with slices left out]
+constexpr double least_matched = 0.5;
+// If this share of an outline's area or more lies in the union on the next slice, the union goes on there.
+// [1, of its area; 0 to 1; M 2026-11 lesion of one slice, skull with slices left out]
+constexpr double most_covered = 0.5;
+// So many chords across a hole say whether the other side of an outline alone is its counterpart.
+// [chords; >= 2; B]
+constexpr std::size_t few_chords = 8;
+// The share of an outline's area is counted on a lattice of so many points a side. [points; >= 8; B]
+constexpr int covered_lattice = 24;
 
 // Edges of a region that close, by their numbers.
 using Loop = std::vector<std::uint32_t>;

@@ -11,7 +11,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_named = 5;  // slices in a message
+// A message names no more slices, so that it stays one line. [slices; >= 1; B]
+constexpr std::size_t most_named = 5;
 
 }  // namespace
 

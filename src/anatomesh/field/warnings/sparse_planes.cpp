@@ -14,12 +14,24 @@ namespace anatomesh {
 
 namespace {
 
+// A structure's box has so many lattice points a side, enough for the two shares that a warning goes by.
+// [points; >= 8; B]
 constexpr int lattice = 16;
-constexpr double far_share = 0.25;     // of the thickness
-constexpr double most_far_off = 0.1;   // of the volume
-constexpr std::size_t few_planes = 6;  // of more, gaps between them are told (missing_slices.h)
+// A place is far from what is drawn beyond this share of the structure's thickness.
+// [thicknesses; 0 to 1; C W-FLD-008]
+constexpr double far_share = 0.25;
+// If more of the volume is far from what is drawn, the structure is poorly sampled.
+// [1, of the volume; 0 to 1; C W-FLD-008]
+constexpr double most_far_off = 0.1;
+// Up to so many planes may lie at a narrow angle all together; of more, gaps between them are told
+// (missing_slices.h). [planes; >= 2; M 2026-11 balls by two planes at 5 to 30 degrees]
+constexpr std::size_t few_planes = 6;
+// Planes that lean by less than 45 degrees are at a narrow angle: none tells how far the structure reaches
+// across the others. [1, cosine; 0 to 1; D]
 constexpr double cos_45 = 0.7071067811865476;
-constexpr double least_thickness = 0.4;  // of the volume of a body as thick across its planes as in them
+// A structure is a wafer that has less than this share of the volume of a body as thick across its planes as
+// in them. [1; 0 to 1; M 2026-11 balls by two planes at 5 to 30 degrees]
+constexpr double least_thickness = 0.4;
 
 // Patches of the contours of one structure alone.
 std::vector<PlanePatch> patches_of(const ContourSet& set, std::uint32_t structure, Box3& box) {
