@@ -50,7 +50,8 @@ Box3 box_of(const std::vector<Vec3>& points) {
     return box;
 }
 
-// Of a model's file: it alone does not make contours wider apart the same.
+// What a model's file says of contours that became one line is believed up to this: it alone does not make
+// contours wider apart the same. [mm; > 0; C]
 constexpr double widest_told_mm = 1;
 
 // Whether the user says how walls are shared.

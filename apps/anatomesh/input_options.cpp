@@ -9,6 +9,7 @@ namespace anatomesh {
 
 namespace {
 
+// Grey values beyond this are no threshold of any image. [grey values; > 0; C]
 constexpr double largest_value = 1e15;
 
 ThresholdOptions threshold_of(const std::string& text) {

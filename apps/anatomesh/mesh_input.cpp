@@ -76,6 +76,7 @@ Result<MeshInput> read_mesh(const std::string& path, const Limits& limits, RunCo
 std::string unknown_content(const std::string& path) {
     std::error_code failure;
     if (std::filesystem::is_directory(path, failure)) return "the path is a folder, not a file";
+    // A message shows so many bytes of a file that no format fits. [bytes; >= 4; B]
     constexpr std::size_t shown_bytes = 12;
     const auto start = read_input_start(path, shown_bytes);
     if (start.ok() && start.value().empty()) return "the file is empty";

@@ -20,6 +20,7 @@ Error does_not_apply_to_peer(const std::string& option, const std::string& peer,
 
 // The first line of a file.
 Result<std::string> read_password(const std::string& path) {
+    // A password's file is no longer. [bytes; >= 64; B]
     constexpr std::size_t longest = 4096;
     ANATOMESH_TRY(const std::vector<std::byte> bytes, read_input_start(path, longest));
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());

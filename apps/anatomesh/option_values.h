@@ -21,6 +21,7 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, double& target, 
 CLI::Option* add_count(CLI::App& app, const std::string& name, std::uint32_t& target, std::uint32_t low,
                        std::uint32_t high, const std::string& description);
 
+// Counts given on the command line are no larger: more is a slip. [1; >= 1; C]
 inline constexpr std::uint32_t largest_count = 1'000'000;
 
 // A count up to that, and nothing where it is not given.

@@ -23,6 +23,7 @@ namespace anatomesh {
 namespace {
 
 constexpr const char* version = ANATOMESH_VERSION;
+// No more threads can be asked for: more is a slip. [threads; >= 1; C]
 constexpr std::uint32_t most_threads = 1024;
 
 constexpr const char* exit_codes =

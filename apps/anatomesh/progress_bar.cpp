@@ -12,6 +12,7 @@ namespace anatomesh {
 
 namespace {
 
+// The bar has so many characters, so that a line of 80 holds it with its text. [characters; 1 to 60; D]
 constexpr int bar_width = 24;
 
 std::string bar_text(double share) {

@@ -77,6 +77,7 @@ void print_error(const Session& session, const Error& error) {
 
 void print_warnings(const Session& session) {
     if (session.quiet) return;
+    // So many warnings of one code are printed; then their number is. [lines; >= 1; C]
     constexpr int shown_per_code = 5;
     std::map<std::string, int> count;
     for (const Warning& warning : session.context.warnings) {

@@ -9,6 +9,7 @@ namespace anatomesh {
 
 namespace {
 
+// The summary has a line for so many structures; then their number is printed. [lines; >= 1; C]
 constexpr std::size_t most_structures = 20;
 
 const char* state_text(ClauseState state) {

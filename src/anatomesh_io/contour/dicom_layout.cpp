@@ -16,9 +16,13 @@ constexpr const char* implicit_syntax = "1.2.840.10008.1.2";
 constexpr const char* explicit_syntax = "1.2.840.10008.1.2.1";
 constexpr const char* deflated_syntax = "1.2.840.10008.1.2.1.99";
 constexpr const char* big_syntax = "1.2.840.10008.1.2.2";
+// The File Meta Information begins after a preamble of 128 bytes and the four letters DICM.
+// [bytes; 132; D DICOM PS3.10, section 7.1]
 constexpr std::size_t meta_begin = 132;
+// This length says that a delimiter ends the value. [bytes; 2^32 - 1; D DICOM PS3.5, section 7.1]
 constexpr std::uint32_t undefined_length = 0xFFFFFFFFu;
-constexpr std::uint64_t to_delimiter = ~std::uint64_t{0};  // the end of what has undefined length
+// It stands for the end of a value of undefined length, which lies behind every offset. [bytes; 2^64 - 1; D]
+constexpr std::uint64_t to_delimiter = ~std::uint64_t{0};
 
 // VRs with two reserved bytes and a length of 32 bits, and those with a length of 16.
 constexpr std::string_view long_vrs[] = {"OB", "OD", "OF", "OL", "OV", "OW", "SQ",

@@ -17,8 +17,12 @@ namespace anatomesh {
 namespace {
 
 constexpr std::string_view start_of_table = "x\ty\tz\tcontour type\t";
+// A curve with more guide points is refused, because the search for their order takes time by the square of
+// their number. [points; >= 1; B]
 constexpr std::size_t most_points = 5000;
-constexpr double most_steps = 4;  // of the median: an outline whose ends are so near to each other is closed
+// An outline whose ends are no further apart than so many median steps is closed: its last points were left
+// out. [median steps; > 1; M 2026-11 hearts]
+constexpr double most_steps = 4;
 
 using Points = std::vector<Vec3>;
 

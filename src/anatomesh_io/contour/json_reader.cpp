@@ -16,8 +16,11 @@ namespace {
 
 using nlohmann::json;
 
+// Values nested deeper are refused, so that a hostile file takes no memory. [levels; >= 4; B]
 constexpr std::size_t max_depth = 64;
+// A longer text is refused, so that a hostile file takes no memory. [bytes; >= 64; B]
 constexpr std::size_t max_string_bytes = std::size_t{1} << 20;
+// It stands for the slice of a contour until all of the file is read. [index; 2^32 - 1; D]
 constexpr std::uint32_t unresolved = 0xFFFFFFFFu;
 
 // The objects and arrays of the format.

@@ -62,9 +62,16 @@ Status for_each_item(DcmItem& parent, const DcmTagKey& tag, Visit visit) {
     return Nothing{};
 }
 
+// Points of one plane differ by less along its normal: files round to more.
+// [mm; 0 to 1e-3; D digits of files]
 constexpr double same_height_mm = 1e-6;
+// Fewer slices say nothing of their usual distance. [slices; >= 2; D]
 constexpr std::size_t fewest_slices = 3;
-constexpr double closest_slices_mm = 0.45, smallest_patient_mm = 60;
+// Slices closer than this are unusual for a patient, so that the contours may be in centimetres.
+// [mm; > 0; C W-RTS-006]
+constexpr double closest_slices_mm = 0.45;
+// Contours that span more are no patient in centimetres. [mm; > 0; C W-RTS-006]
+constexpr double smallest_patient_mm = 60;
 
 class RtStructReader {
   public:

@@ -22,6 +22,8 @@ namespace anatomesh {
 
 namespace {
 
+// A child process hands over no more of the reason why it failed: the memory that both share is of a fixed
+// size. [bytes; >= 1; B]
 constexpr std::size_t longest_reason = 200;
 
 // What the child tells its parent.

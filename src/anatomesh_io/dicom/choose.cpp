@@ -38,6 +38,7 @@ const char* name_of_kind(DicomKind kind) {
 }
 
 std::string list_of(const DicomFolder& folder, const std::vector<std::size_t>& candidates) {
+    // A message lists no more candidates. [lines; >= 1; B]
     constexpr std::size_t most = 20;
     std::string list;
     for (std::size_t i = 0; i < std::min(candidates.size(), most); ++i)

@@ -16,6 +16,8 @@ namespace anatomesh {
 
 namespace {
 
+// Contours lie on an image up to this distance from its plane: both positions are rounded in files.
+// [mm; 0 to 1; D digits of files]
 constexpr double same_plane_mm = 0.05;
 
 enum class Lies : std::uint8_t { on, between, outside, across };

@@ -15,6 +15,7 @@ namespace anatomesh {
 
 namespace {
 
+// A file with more elements is refused, before they take all memory. [elements; >= 1000; B]
 constexpr std::size_t max_elements = 50'000'000;
 constexpr DicomTag item_tag{0xFFFE, 0xE000};
 

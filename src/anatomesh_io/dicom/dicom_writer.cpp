@@ -12,6 +12,7 @@ namespace anatomesh {
 
 namespace {
 
+// This length says that a delimiter ends the value. [bytes; 2^32 - 1; D DICOM PS3.5, section 7.1]
 constexpr std::uint32_t undefined_length = 0xFFFFFFFFu;
 constexpr DicomTag sequence_item_tag{0xFFFE, 0xE000}, item_end{0xFFFE, 0xE00D}, sequence_end{0xFFFE, 0xE0DD};
 constexpr const char* implementation_uid = "2.25.231180546138466129170253893712506374981";

@@ -8,7 +8,10 @@ namespace anatomesh {
 namespace {
 
 constexpr double white[3] = {0.95047, 1.0, 1.08883};
-constexpr double epsilon = 216.0 / 24389, kappa = 24389.0 / 27;
+// Darker colours follow a line in place of the cube root. [1; 0 to 1; D CIE 15, CIELAB]
+constexpr double epsilon = 216.0 / 24389;
+// The line has this slope, so that both parts meet at epsilon. [1; > 0; D CIE 15, CIELAB]
+constexpr double kappa = 24389.0 / 27;
 
 double to_linear(double c) {
     return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);

@@ -15,7 +15,10 @@ namespace anatomesh {
 
 namespace {
 
+// Positions further from the origin are refused as damaged: doubles keep a micrometre and more within it.
+// [mm; > 0; C]
 constexpr double farthest_mm = 1e7;
+// A file that announces more frames is refused, before they take all memory. [frames; >= 1; B]
 constexpr std::uint64_t max_frames = 1'000'000;
 
 // The functional groups of a frame: its own, those that all frames share, and the object itself.
@@ -117,7 +120,10 @@ struct UltrasoundScales {
 };
 
 Result<UltrasoundScales> ultrasound_scales(const DicomItem& root) {
-    constexpr std::uint32_t two_dimensional = 1, centimetres = 3;
+    // This Region Spatial Format is a two-dimensional image. [code; 1; D DICOM PS3.3, section C.8.5.5]
+    constexpr std::uint32_t two_dimensional = 1;
+    // This Physical Unit is the centimetre. [code; 3; D DICOM PS3.3, section C.8.5.5]
+    constexpr std::uint32_t centimetres = 3;
     UltrasoundScales found;
     for (const DicomItem& region : root.items(tags::ultrasound_regions)) {
         const std::size_t index = found.regions++;

@@ -26,8 +26,8 @@ struct DicomFrame {
     std::array<double, 2> spacing{1, 1};  // between columns, between rows
     double slope = 1, intercept = 0;      // of stored values
     std::int64_t number = 0;              // InstanceNumber, of one frame a file; 0 when absent
-    // What tells volumes at the same place apart: acquisition, time, echo, b-value; as text, empty when
-    // absent.
+    // So many marks tell volumes at the same place apart: acquisition, time, echo and b-value among them.
+    // They are texts, empty when absent. [marks; 5; D]
     static constexpr std::size_t marks = 5;
     std::array<std::string, marks> mark;
 };

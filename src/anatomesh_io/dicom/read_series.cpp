@@ -19,8 +19,11 @@ namespace anatomesh {
 
 namespace {
 
-// Compressed pixels may claim this many times the size of their files, beyond what is free.
-constexpr std::uint64_t largest_ratio = 1000, free_bytes = std::uint64_t{256} << 20;
+// Compressed pixels may claim so many times the size of their files: no codec of images packs better.
+// [1; > 1; B]
+constexpr std::uint64_t largest_ratio = 1000;
+// Up to this size they may claim anything, because that much memory is always there. [bytes; > 0; B]
+constexpr std::uint64_t free_bytes = std::uint64_t{256} << 20;
 
 Error series_error(const char* code, std::string message, const std::string& file, std::string value,
                    std::string next_step) {

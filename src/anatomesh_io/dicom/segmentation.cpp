@@ -23,9 +23,17 @@ namespace anatomesh {
 
 namespace {
 
+// Directions of frames agree within this, because files round cosines. [1; 0 to 0.1; D digits of files]
 constexpr double same_frame_direction = 1e-3;
-constexpr double grid_tolerance = 0.01;  // of the spacing
-constexpr std::uint64_t free_slices = 1000, largest_sparseness = 100;
+// A frame may be so far off its place in the grid, because files round positions.
+// [spacings; 0 to 0.5; D digits of files]
+constexpr double grid_tolerance = 0.01;
+// So many slices are allowed whatever the frames are: a label on few slices of a volume is no attack.
+// [slices; > 0; B]
+constexpr std::uint64_t free_slices = 1000;
+// Beyond free_slices a segmentation may have so many slices for each frame that it holds.
+// [slices per frame; >= 1; B]
+constexpr std::uint64_t largest_sparseness = 100;
 
 enum class SegmentationType : std::uint8_t { binary, fractional, labelmap };
 
@@ -256,7 +264,12 @@ class SegmentationReader {
         std::uint64_t compressed = 0;
         for (const auto& fragments : pixels.fragments)
             for (const std::string_view fragment : fragments) compressed += fragment.size();
-        constexpr std::uint64_t free_frame_bytes = std::uint64_t{256} << 20, largest_frame_ratio = 1000;
+        // Up to this size compressed frames may claim anything, because that much memory is always there.
+        // [bytes; > 0; B]
+        constexpr std::uint64_t free_frame_bytes = std::uint64_t{256} << 20;
+        // Beyond free_frame_bytes they may claim so many times their size: no codec of images packs better.
+        // [1; > 1; B]
+        constexpr std::uint64_t largest_frame_ratio = 1000;
         if (bytes * frames_.size() > std::max(free_frame_bytes, largest_frame_ratio * compressed))
             return too_large("more pixels than the compressed data can hold");
         decoded_.emplace(bytes * frames_.size());

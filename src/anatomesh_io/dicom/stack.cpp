@@ -14,9 +14,16 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double same_direction = 1e-3;  // of unit vectors
+// Unit vectors of images in one stack differ by no more, because files round cosines.
+// [1; 0 to 0.1; D digits of files]
+constexpr double same_direction = 1e-3;
+// Frames whose heights differ by less lie at one place and belong to several volumes.
+// [mm; 0 to 0.1; D digits of files]
 constexpr double same_place_mm = 1e-3;
-constexpr double largest_usual_mm = 2500, smallest_usual_mm = 10;
+// A larger image is unusual for a patient: its unit may be wrong. [mm; > smallest_usual_mm; C W-DCM-012]
+constexpr double largest_usual_mm = 2500;
+// A smaller image is unusual for a patient: its unit may be wrong. [mm; > 0; C W-DCM-012]
+constexpr double smallest_usual_mm = 10;
 
 using Indices = std::vector<std::uint32_t>;
 

@@ -22,7 +22,9 @@ namespace {
 
 constexpr std::string_view temporary_prefix = ".anatomesh-";
 constexpr std::string_view temporary_suffix = ".tmp";
-constexpr int max_temporaries = 10'000;  // names tried in one folder before giving up
+// So many names are tried for a temporary file before giving up: others may be left by runs that were killed.
+// [names; >= 1; B]
+constexpr int max_temporaries = 10'000;
 
 Error file_error(const char* code, std::string message, const std::string& path, std::string next_step = {}) {
     Error error{ErrorKind::file, code, std::move(message), {}, std::move(next_step)};

@@ -14,6 +14,7 @@ namespace anatomesh {
 
 namespace {
 
+// The format of a file is told from so many bytes at its start. [bytes; >= 512; B]
 constexpr std::size_t start_bytes = 65536;
 
 bool is_space(char c) {

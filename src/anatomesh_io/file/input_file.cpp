@@ -184,6 +184,8 @@ class Inflater {
 
     // Inflates into [target, target + count); `produced` is what came out. Returns zlib's code.
     int step(std::byte* target, std::size_t count, std::size_t& produced) {
+        // zlib counts in 32 bits, so that larger blocks are handed over in pieces of this size.
+        // [bytes; < 2^32; D zlib]
         constexpr std::size_t piece = std::size_t{1} << 30;
         const auto in = static_cast<uInt>(std::min(input_.size() - consumed_, piece));
         const auto out = static_cast<uInt>(std::min(count, piece));
@@ -270,7 +272,7 @@ Error inflate_error(int code, const Inflater& inflater, std::size_t produced, co
 
 Result<ByteBuffer> inflate(std::span<const std::byte> compressed, const std::string& path,
                            const InputLimits& limits, RunContext& context, std::uint64_t expected_bytes) {
-    // A size that the header states honestly is no bomb as long as it is moderate.
+    // A size that the header states honestly is no bomb as long as it is at most this. [bytes; > 0; B]
     constexpr std::uint64_t moderate = std::uint64_t{512} << 20;
     const std::uint64_t free_bytes =
         std::max(limits.free_inflated_bytes, expected_bytes <= moderate ? expected_bytes : 0);
@@ -281,7 +283,7 @@ Result<ByteBuffer> inflate(std::span<const std::byte> compressed, const std::str
     if (!inflater.ready() || !out.reserve(first_capacity(compressed, expected_bytes)))
         return no_memory(path, 0);
     if (context.cancelled()) return cancelled_error();
-    // What takes long is inflated in steps, between which it can be cancelled.
+    // What is larger takes long, and is inflated in steps, between which it can be cancelled. [bytes; > 0; B]
     constexpr std::uint64_t quick = std::uint64_t{256} << 20;
     if (out.capacity() <= std::min(quick, allowed_bytes(compressed.size(), free_bytes, limits)) &&
         inflate_at_once(compressed, out))

@@ -19,6 +19,7 @@ namespace anatomesh {
 
 namespace {
 
+// A longer header is refused, before it takes all memory. [bytes; >= 4096; B]
 constexpr std::size_t longest_meta_header = std::size_t{16} << 20;
 
 using Keys = std::map<std::string, std::string, std::less<>>;

@@ -79,6 +79,8 @@ double largest_difference(const ImageGeometry& one, const ImageGeometry& other) 
 Result<ImageGeometry> reconciled(const ImageGeometry& qform, const ImageGeometry& sform,
                                  const std::string& path, const ReadImageOptions& options,
                                  RunContext& context) {
+    // Both transforms agree if they place no corner further apart: they are stored as single floats.
+    // [mm; 0 to 1; D digits of files]
     constexpr double tolerance_mm = 0.01;
     const double difference = largest_difference(qform, sform);
     const bool mirrored = (determinant(qform) > 0) != (determinant(sform) > 0);
@@ -204,6 +206,8 @@ Status choose_data(const NiftiHeader& header, std::uint64_t claimed, std::span<c
 }  // namespace
 
 Result<RawImage> read_nifti(const InputFile& file, const ReadImageOptions& options, RunContext& context) {
+    // So many bytes tell the format and the size: the header of NIfTI-2 has 540, and four flags follow.
+    // [bytes; 544; D NIfTI-2]
     constexpr std::size_t header_bytes = 544;
     const std::string& path = file.path;
     std::vector<std::byte> inflated_start;

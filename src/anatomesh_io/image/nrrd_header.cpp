@@ -14,7 +14,9 @@ namespace anatomesh {
 
 namespace {
 
+// A longer header is refused, before it takes all memory. [bytes; >= 4096; B]
 constexpr std::size_t longest_header = std::size_t{16} << 20;
+// A file with more axes is refused, as by the format's own library. [axes; 16; D NRRD]
 constexpr std::uint64_t most_axes = 16;
 
 using Fields = std::map<std::string, std::string, std::less<>>;

@@ -10,7 +10,9 @@ namespace anatomesh {
 
 namespace {
 
+// Values nested deeper are refused, so that a hostile file takes no memory. [levels; >= 4; B]
 constexpr std::size_t deepest = 32;
+// A file with more values is refused, before they take all memory. [values; >= 100; B]
 constexpr std::size_t most_values = 100000;
 
 std::string unescaped(std::string_view text) {

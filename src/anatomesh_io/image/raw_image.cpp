@@ -109,7 +109,11 @@ Result<std::uint64_t> chosen_volume(std::uint64_t volumes, const std::string& pa
 }
 
 Status check_geometry(const ImageGeometry& geometry, const std::string& path) {
-    constexpr double farthest_mm = 1e7, shortest_mm = 1e-6;
+    // Positions further from the origin are refused as damaged: doubles keep a micrometre and more within it.
+    // [mm; > 0; C]
+    constexpr double farthest_mm = 1e7;
+    // Smaller voxels are refused as damaged: none is measured at a nanometre. [mm; > 0; C]
+    constexpr double shortest_mm = 1e-6;
     double volume_scale = 1;
     for (int axis = 0; axis < 3; ++axis) {
         const double step = length(geometry.step[axis]);

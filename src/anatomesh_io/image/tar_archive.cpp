@@ -11,7 +11,9 @@ namespace anatomesh {
 
 namespace {
 
+// A tar archive consists of blocks of this size. [bytes; 512; D POSIX ustar]
 constexpr std::size_t block = 512;
+// An archive with more entries is refused, before they take all memory. [entries; >= 1; B]
 constexpr std::size_t most_entries = 100000;
 
 // Octal digits between blanks and zero bytes, or GNU's binary form for large sizes.

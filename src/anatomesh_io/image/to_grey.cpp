@@ -15,6 +15,7 @@ namespace anatomesh {
 
 namespace {
 
+// Values are counted up to so many: an image with more is no label map. [values; > few; B]
 constexpr std::uint32_t most_distinct = 1000;
 
 // Counts different values until there are too many for a label map or one is negative.
@@ -101,7 +102,8 @@ std::array<std::uint32_t, 3> voxel_at(const ImageGeometry& geometry, std::size_t
 
 // Range, and the values that are no number.
 void find_range(const GreyImage& image, ImageFacts& facts) {
-    // Eight ranges side by side, so that the compiler can use vector registers; NaN fails every comparison.
+    // Eight ranges are kept side by side, so that the compiler can use vector registers; NaN fails every
+    // comparison. [ranges; 1 to 16; B]
     constexpr std::size_t lanes = 8;
     constexpr float infinity = std::numeric_limits<float>::infinity();
     constexpr float largest = std::numeric_limits<float>::max();
@@ -207,8 +209,13 @@ Result<LoadedImage> to_grey(const RawImage& raw, const std::string& path, RunCon
 }
 
 bool looks_like_label_map(const ImageFacts& facts) {
+    // Values this near to whole numbers are whole: floats and scaling round. [1; 0 to 0.5; D digits of files]
     constexpr double rounding = 1e-3;
+    // An image with so few whole values looks like a label map, however they lie.
+    // [values; >= 2; M 2026-11, set not recorded]
     constexpr std::uint32_t few = 16;
+    // With more values it does if this share of neighbouring voxels is equal: grey values have noise.
+    // [1; 0 to 1; M 2026-11, set not recorded]
     constexpr double mostly = 0.5;
     return facts.not_finite == 0 && facts.low >= 0 && facts.largest_fraction <= rounding &&
            facts.distinct <= most_distinct && (facts.distinct <= few || facts.equal_neighbors >= mostly);

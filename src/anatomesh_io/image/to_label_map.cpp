@@ -10,8 +10,10 @@ namespace anatomesh {
 
 namespace {
 
+// Labels this near to whole numbers are whole: floats and scaling round. [1; 0 to 0.5; D digits of files]
 constexpr double rounding = 1e-3;
-constexpr float largest_label = 16777215;  // the integers that a 32-bit float holds
+// Larger whole numbers are not all exact in a 32-bit float. [label; 2^24 - 1; D IEEE 754]
+constexpr float largest_label = 16777215;
 
 Error label_error(const char* code, std::string message, const GreyImage& image, std::size_t index) {
     const std::size_t row = index / image.geometry.size[0];

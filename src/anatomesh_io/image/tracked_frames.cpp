@@ -17,9 +17,13 @@ namespace {
 
 constexpr std::string_view frame_prefix = "Seq_Frame", transform_suffix = "Transform",
                            status_suffix = "TransformStatus";
+// Positions further from the origin are refused as damaged: doubles keep a micrometre and more within it.
+// [mm; > 0; C]
 constexpr double farthest_mm = 1e7;
 
-constexpr double rotation_tolerance = 0.005;  // of lengths and cosines: headers have six digits
+// Lengths and cosines of a rotation may be so far off 1 and 0, because headers have six digits.
+// [1; 0 to 0.1; D digits of files]
+constexpr double rotation_tolerance = 0.005;
 
 // x -> the columns of a 3 x 3 matrix times x, plus a translation.
 struct Affine {

@@ -69,6 +69,7 @@ void append_elements(std::string& text, const ModelFile& model) {
 template <class Number>
 void append_set(std::string& text, const std::string& keyword, const std::vector<Number>& numbers) {
     if (numbers.empty()) return;
+    // A data line of a set has no more entries. [entries; 16; D Abaqus input format]
     constexpr std::size_t most_in_line = 16;
     text += keyword + "\n";
     for (std::size_t i = 0; i < numbers.size(); ++i) {

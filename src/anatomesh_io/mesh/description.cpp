@@ -11,6 +11,7 @@ namespace anatomesh {
 
 namespace {
 
+// A region is a number of 16 bits, of which 0 is outside. [regions; 65535; D]
 constexpr std::size_t max_regions = 65535;
 
 // A name or note on one line: backslash, line feed and carriage return as \\, \n, \r; other control

@@ -18,7 +18,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int gmsh_tetrahedron = 4, gmsh_quadratic_tetrahedron = 11;
+// This is the type of a tetrahedron with four nodes. [code; 4; D Gmsh MSH format]
+constexpr int gmsh_tetrahedron = 4;
+// This is the type of a tetrahedron with ten nodes. [code; 11; D Gmsh MSH format]
+constexpr int gmsh_quadratic_tetrahedron = 11;
 
 template <class T>
 void append_value(std::string& bytes, T value) {

@@ -13,8 +13,11 @@ namespace {
 
 using nlohmann::json;
 
+// A file of materials is no larger, so that a wrong file is refused at once. [bytes; >= 4096; B]
 constexpr std::uint64_t max_bytes = std::uint64_t{1} << 20;
+// Values nested deeper are refused: the schema has fewer levels. [levels; >= 4; B]
 constexpr int max_material_depth = 8;
+// Moduli and grey values are below this, so that no law overflows. [MPa, or grey values; > 0; C]
 constexpr double most = 1e12;
 
 // Members of one object; the first thing wrong is kept, and every later question answered with a default.

@@ -15,7 +15,9 @@
 
 namespace anatomesh {
 
-inline constexpr double max_coordinate = 1e7;  // mm
+// Coordinates further from the origin are refused as damaged: doubles keep a micrometre and more within it.
+// [mm; > 0; C]
+inline constexpr double max_coordinate = 1e7;
 
 Error mesh_error(const char* code, std::string message, const std::string& path, std::string value = {});
 Error expected(const std::string& path, std::string_view what, std::string place);  // E-MDL-003

@@ -11,6 +11,7 @@
 
 namespace anatomesh {
 
+// It stands for no facet. [index; 2^64 - 1; D]
 inline constexpr std::uint64_t no_facet = ~std::uint64_t{0};
 
 // A facet between two regions; `outer` may be 0, outside. Facets are 4 cell + i, opposite vertex i.

@@ -14,8 +14,13 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t header_bytes = 80, triangle_bytes = 50;
-constexpr double tolerated_loss = 1e-3;  // mm
+// A binary file begins with a text of this size. [bytes; 80; D STL]
+constexpr std::size_t header_bytes = 80;
+// A triangle takes twelve floats and two further bytes. [bytes; 50; D STL]
+constexpr std::size_t triangle_bytes = 50;
+// If single floats round coordinates by more, a warning says so: a micrometre is below every measurement.
+// [mm; > 0; C]
+constexpr double tolerated_loss = 1e-3;
 
 // The nearest float. Not inline: g++ 12 drops the rounding when it vectorises double -> float -> double.
 [[gnu::noinline]] float nearest_float(double value) {

@@ -111,8 +111,10 @@ struct Blocks {
 // The header of a compressed array: [blocks, bytes of a block, bytes of a part at the end, packed sizes ...].
 // Every number is held against the bytes that are there before anything is allocated by it.
 Result<Blocks> read_blocks(const VtkArray& array, ByteStream& stream, const VtkEncoding& encoding) {
-    // zlib cannot pack better than 1032 to 1.
-    constexpr std::uint64_t best_ratio = 1032, small_block = 64;
+    // zlib cannot pack better, so a block that claims more is damaged. [1; 1032; D zlib]
+    constexpr std::uint64_t best_ratio = 1032;
+    // A block may claim so much more, because a stream ends in the middle of a byte. [bytes; >= 1; D zlib]
+    constexpr std::uint64_t small_block = 64;
     const auto count = read_word(stream, encoding), block = read_word(stream, encoding),
                part = read_word(stream, encoding);
     if (!count || !block || !part || *count > stream.at_most()) return ends_early(array, encoding);

@@ -15,7 +15,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint8_t vtk_tetra = 10, vtk_quadratic_tetra = 24;
+// This is the type of a tetrahedron with four nodes. [code; 10; D VTK file formats]
+constexpr std::uint8_t vtk_tetra = 10;
+// This is the type of a tetrahedron with ten nodes. [code; 24; D VTK file formats]
+constexpr std::uint8_t vtk_quadratic_tetra = 24;
 
 // VTK cell types of points, lines and faces, which a model may carry beside its tetrahedra.
 bool is_lower_dimensional(std::uint8_t type) {

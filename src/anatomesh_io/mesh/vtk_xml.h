@@ -50,6 +50,7 @@ constexpr VtkType vtk_type_of() {
     if constexpr (std::is_same_v<T, float>) return VtkType::float32;
     if constexpr (std::is_same_v<T, double>) return VtkType::float64;
     if constexpr (std::is_integral_v<T>) {
+        // The integer types of VtkType come in pairs of one size, the signed one first. [index; 0 to 6; D]
         constexpr int size_step = sizeof(T) == 1 ? 0 : sizeof(T) == 2 ? 2 : sizeof(T) == 4 ? 4 : 6;
         return static_cast<VtkType>(size_step + (std::is_unsigned_v<T> ? 1 : 0));
     }

@@ -40,7 +40,10 @@ struct Document {
     std::size_t appended_begin = 0;  // of the bytes after its tag
 };
 
+// Elements nested deeper are refused, so that a hostile file takes no memory. [levels; >= 6; B]
 constexpr std::size_t max_depth = 32;
+// The parser gets the file in chunks of this size, between which the run can be cancelled.
+// [bytes; >= 4096; B]
 constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
 
 std::optional<std::uint64_t> parse_count(std::string_view text) {

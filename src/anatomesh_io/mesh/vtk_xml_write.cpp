@@ -18,6 +18,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "arrays are written in native order as LittleEndian");
 
+// Arrays are packed in blocks of this size, each by itself, so that threads share them. [bytes; >= 4096; B]
 constexpr std::size_t block_bytes = std::size_t{1} << 16;
 
 const char* type_name(VtkType type) {
@@ -128,7 +129,10 @@ std::string compressed_by_libdeflate(std::string_view data, int level) {
 // A zlib stream (RFC 1950).
 std::string compressed(const Block& block, int level) {
     if (block.coder == Coder::libdeflate) return compressed_by_libdeflate(block.data, level);
-    constexpr int window_bits = 15, memory_level = 8;
+    // zlib's largest window, 32 kB, packs best. [bits; 9 to 15; D zlib]
+    constexpr int window_bits = 15;
+    // This is zlib's own default of memory for its tables. [1; 1 to 9; D zlib]
+    constexpr int memory_level = 8;
     const int strategy = block.coder == Coder::huffman ? Z_HUFFMAN_ONLY : Z_DEFAULT_STRATEGY;
     z_stream stream{};
     if (deflateInit2(&stream, level, Z_DEFLATED, window_bits, memory_level, strategy) != Z_OK)

@@ -10,6 +10,7 @@ namespace {
 
 using Json = nlohmann::json;
 
+// Values nested deeper are refused, so that a hostile answer takes no memory. [levels; >= 4; B]
 constexpr int deepest = 64;
 
 bool is_too_deep(std::string_view text) {

@@ -6,7 +6,9 @@ namespace anatomesh {
 
 namespace {
 
+// A longer command is refused: those of the standard are shorter by far. [bytes; >= 1024; B]
 constexpr std::size_t longest_command = 65536;
+// This Command Data Set Type says that no data set follows. [code; 0x0101; D DICOM PS3.7, annex E]
 constexpr std::uint16_t no_data_set = 0x0101;
 
 // Element numbers in group 0.

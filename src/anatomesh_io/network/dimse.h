@@ -12,15 +12,50 @@
 namespace anatomesh {
 
 namespace dimse {
-inline constexpr std::uint16_t store_request = 0x0001, store_reply = 0x8001, get_request = 0x0010,
-                               get_reply = 0x8010, find_request = 0x0020, find_reply = 0x8020,
-                               move_request = 0x0021, move_reply = 0x8021, echo_request = 0x0030,
-                               echo_reply = 0x8030, cancel_request = 0x0FFF;
-// Status codes.
-inline constexpr std::uint16_t success = 0x0000, pending = 0xFF00, pending_with_warning = 0xFF01,
-                               no_such_operation = 0x0211, out_of_resources = 0xA700,
-                               does_not_match_class = 0xA900, cannot_understand = 0xC000,
-                               other_content = 0xC111, cancelled = 0xFE00;
+// This Command Field asks to store an object. [code; 0x0001; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t store_request = 0x0001;
+// This Command Field answers a C-STORE. [code; 0x8001; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t store_reply = 0x8001;
+// This Command Field asks to send objects back on the same association.
+// [code; 0x0010; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t get_request = 0x0010;
+// This Command Field answers a C-GET. [code; 0x8010; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t get_reply = 0x8010;
+// This Command Field asks which objects there are. [code; 0x0020; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t find_request = 0x0020;
+// This Command Field answers a C-FIND. [code; 0x8020; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t find_reply = 0x8020;
+// This Command Field asks to send objects to a third. [code; 0x0021; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t move_request = 0x0021;
+// This Command Field answers a C-MOVE. [code; 0x8021; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t move_reply = 0x8021;
+// This Command Field asks whether anybody is there. [code; 0x0030; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t echo_request = 0x0030;
+// This Command Field answers a C-ECHO. [code; 0x8030; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t echo_reply = 0x8030;
+// This Command Field ends a request that is being answered. [code; 0x0FFF; D DICOM PS3.7, annex E]
+inline constexpr std::uint16_t cancel_request = 0x0FFF;
+// This status says that the operation is done. [code; 0x0000; D DICOM PS3.7, annex C]
+inline constexpr std::uint16_t success = 0x0000;
+// This status says that further answers follow. [code; 0xFF00; D DICOM PS3.4, section C.4]
+inline constexpr std::uint16_t pending = 0xFF00;
+// This status says so too, where a key of the query was not heeded.
+// [code; 0xFF01; D DICOM PS3.4, section C.4]
+inline constexpr std::uint16_t pending_with_warning = 0xFF01;
+// This status says that the operation is not known. [code; 0x0211; D DICOM PS3.7, annex C]
+inline constexpr std::uint16_t no_such_operation = 0x0211;
+// This status says that there is no room for the object. [code; 0xA700; D DICOM PS3.4, section B.2.3]
+inline constexpr std::uint16_t out_of_resources = 0xA700;
+// This status says that the object is not of the class that it was announced with.
+// [code; 0xA900; D DICOM PS3.4, section B.2.3]
+inline constexpr std::uint16_t does_not_match_class = 0xA900;
+// This status says that the object is damaged. [code; 0xC000; D DICOM PS3.4, section B.2.3]
+inline constexpr std::uint16_t cannot_understand = 0xC000;
+// This status of our own says that an object with the same UID and other content is there.
+// [code; 0xC000 to 0xCFFF; D]
+inline constexpr std::uint16_t other_content = 0xC111;
+// This status says that the operation was cancelled. [code; 0xFE00; D DICOM PS3.7, annex C]
+inline constexpr std::uint16_t cancelled = 0xFE00;
 }  // namespace dimse
 
 // SOP classes and transfer syntaxes.

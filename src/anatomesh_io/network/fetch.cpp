@@ -18,7 +18,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t most_series = 100;  // whose class is asked for
+// The class is asked for of so many series at most, one query each. [series; >= 1; B]
+constexpr std::uint32_t most_series = 100;
+// So many different reasons why objects did not come are kept for the message. [texts; >= 1; B]
 constexpr std::size_t most_reasons = 10;
 
 void count(FetchResult& result, const StoreOutcome& outcome) {

@@ -8,6 +8,7 @@ namespace anatomesh {
 
 namespace {
 
+// No more of an answer is kept, so that a hostile server takes no memory. [bytes; >= 65536; B]
 constexpr std::size_t longest_http_answer = std::size_t{64} << 20;
 
 std::string in_words(httplib::Error error) {

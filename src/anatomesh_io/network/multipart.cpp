@@ -8,7 +8,9 @@ namespace anatomesh {
 
 namespace {
 
+// The headers of a part are no longer, so that a hostile server takes no memory. [bytes; >= 1024; B]
 constexpr std::size_t longest_headers = 16384;
+// A boundary has no more characters. [bytes; 70; D RFC 2046, section 5.1.1]
 constexpr std::size_t longest_boundary = 70;
 
 }  // namespace

@@ -28,6 +28,7 @@ namespace {
 
 constexpr std::string_view temporary_prefix = ".anatomesh-incoming-";
 constexpr std::string_view storage_class_prefix = "1.2.840.10008.5.1.4.1.1.";
+// No more references of an object are kept, so that a hostile object takes no memory. [references; >= 1; B]
 constexpr std::size_t most_references = 1'000'000;
 
 // Keeps who an object is and which images it refers to.

@@ -11,6 +11,8 @@ namespace anatomesh {
 namespace {
 
 constexpr std::string_view implementation_version = "ANATOMESH";
+// The body of an A-ASSOCIATE begins with fields of this size in all; items follow.
+// [bytes; 68; D DICOM PS3.8, section 9.3]
 constexpr std::size_t fixed_associate_bytes = 68;
 
 enum Item : std::uint8_t {

@@ -22,12 +22,17 @@ enum class PduType : std::uint8_t {
     abort = 7
 };
 
+// A PDU begins with its type, a reserved byte and its length. [bytes; 6; D DICOM PS3.8, section 9.3]
 inline constexpr std::size_t pdu_header_bytes = 6;
-// The longest body of a PDU that this side takes, which it says when it associates.
+// This side takes no longer body of a PDU, and says so when it associates. [bytes; >= 4096; B]
 inline constexpr std::uint32_t longest_pdu_body = 131072;
+// A UID has no more characters. [bytes; 64; D DICOM PS3.5, section 9]
 inline constexpr std::size_t longest_uid = 64;
+// An application entity's title has no more characters. [bytes; 16; D DICOM PS3.5, section 6.2]
 inline constexpr std::size_t longest_ae_title = 16;
-inline constexpr std::size_t most_presentation_contexts = 128;  // of an association: their ids are odd bytes
+// An association has no more contexts, because their ids are odd bytes.
+// [contexts; 128; D DICOM PS3.8, section 9.3]
+inline constexpr std::size_t most_presentation_contexts = 128;
 inline constexpr std::string_view application_context_name = "1.2.840.10008.3.1.1.1";  // PS3.7, annex A
 // Of this program, in what it sends and stores; a UID made from a UUID (PS3.5, annex B.2).
 inline constexpr std::string_view implementation_class_uid = "2.25.231180546138466129170253893712506374981";
@@ -39,8 +44,12 @@ struct PresentationContext {
     std::vector<std::string> transfer_syntaxes;  // one in an answer
     std::uint8_t result = 0;  // in an answer: 0 accepted, 3 abstract syntax, 4 no transfer syntax supported
 };
-inline constexpr std::uint8_t context_accepted = 0, context_no_abstract_syntax = 3,
-                              context_no_transfer_syntax = 4;
+// The peer accepts the context. [code; 0; D DICOM PS3.8, section 9.3]
+inline constexpr std::uint8_t context_accepted = 0;
+// The peer does not know the SOP class. [code; 3; D DICOM PS3.8, section 9.3]
+inline constexpr std::uint8_t context_no_abstract_syntax = 3;
+// The peer knows none of the encodings. [code; 4; D DICOM PS3.8, section 9.3]
+inline constexpr std::uint8_t context_no_transfer_syntax = 4;
 
 // Who is client and server for a SOP class, where that is not the usual way round (C-GET).
 struct RoleSelection {

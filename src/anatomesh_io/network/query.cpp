@@ -17,6 +17,7 @@ namespace anatomesh {
 namespace {
 
 constexpr DicomTag level_tag{0x0008, 0x0052};
+// A longer answer is refused, so that a hostile server takes no memory. [bytes; >= 65536; B]
 constexpr std::size_t longest_web_answer = std::size_t{64} << 20;
 
 const char* name_of(QueryLevel level) {

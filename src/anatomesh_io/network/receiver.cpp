@@ -15,10 +15,15 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_silent = 64;     // connections without an association
-constexpr std::size_t most_output = 65536;  // unsent, until the peer is no longer listened to
+// So many connections without an association are kept; beyond it the oldest goes. [connections; >= 1; B]
+constexpr std::size_t most_silent = 64;
+// A peer that leaves so much unread is no longer listened to until it reads. [bytes; >= 1024; B]
+constexpr std::size_t most_output = 65536;
+// The log counts the lines of so many peers; beyond it all counts begin again. [peers; >= 1; B]
 constexpr std::size_t most_logging_peers = 1000;
+// The log takes no more lines of a peer in a minute, so that none fills the disk. [lines; >= 1; B]
 constexpr int lines_a_minute = 10;
+// The receiver looks at its clocks and at the wish to stop at least as often. [ms; > 0; B]
 constexpr int poll_milliseconds = 100;
 
 double seconds_since(Clock::time_point then, Clock::time_point now) {

@@ -12,7 +12,9 @@ namespace anatomesh {
 
 namespace {
 
+// A longer answer to a query is refused, so that a hostile peer takes no memory. [bytes; >= 65536; B]
 constexpr std::size_t longest_answer = std::size_t{1} << 20;
+// The end of an association is waited for no longer: all objects are there already. [s; > 0; B]
 constexpr double release_seconds = 5;
 
 std::string name_of(const DicomPeer& peer) {
@@ -256,7 +258,8 @@ Result<std::uint16_t> Requestor::store(const PresentationContext& context, const
     request.has_data_set = true;
     std::string out;
     append_data(out, context.id, true, true, format_command(request), longest_pdu_);
-    // In pieces, so that a large object is not copied as a whole.
+    // Objects are sent in pieces of this size, so that a large one is not copied as a whole.
+    // [bytes; >= 4096; B]
     constexpr std::size_t piece = std::size_t{1} << 20;
     do {
         const std::string_view part = data_set.substr(0, piece);

@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Two contexts a pair of class and syntax, 128 an association.
+// An association carries so many pairs of class and syntax: each takes two of its 128 contexts.
+// [pairs; 1 to 64; D DICOM PS3.8, section 9.3]
 constexpr std::size_t most_pairs = 64;
 
 Error input_error(const char* code, const std::string& path, std::string message, std::string next_step) {

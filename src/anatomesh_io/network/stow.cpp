@@ -17,9 +17,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t most_objects = 100;                      // of a request
-constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;  // after which it takes no further object
+// A request carries no more objects, so that a failure repeats few. [objects; >= 1; B]
+constexpr std::size_t most_objects = 100;
+// A request takes no further object from this size on. [bytes; > 0; B]
+constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
 constexpr const char* dicom_json = "application/dicom+json";
+// Where a server gives no reason, the object counts as not understood.
+// [code; 0xC000; D DICOM PS3.4, section B.2.3]
 constexpr std::size_t status_refused = 0xC000;
 
 // The content of a request: for every object a head and its file, then an end. Only one file at a time is

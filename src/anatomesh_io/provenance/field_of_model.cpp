@@ -15,9 +15,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double near_enough = contract::volume_tolerance / 10;  // no other way is looked for
+// If one way of making the field comes this near to the model's volume, no other way is tried.
+// [1, of the volume; 0 to volume_tolerance; D a tenth of clause 6]
+constexpr double near_enough = contract::volume_tolerance / 10;
 
-// Overlaps of fewer cells than this do not tell that structures were meant to overlap.
+// Overlaps of a smaller share of the cells do not tell that structures were meant to overlap.
+// [1, of the cells; 0 to 1; M 2026-11, set not recorded]
 constexpr double hardly_any = 0.01;
 
 // The contours' structure of each structure of the model; nothing where they are not the same.

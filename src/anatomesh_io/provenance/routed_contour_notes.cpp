@@ -24,8 +24,11 @@ namespace anatomesh {
 namespace {
 
 constexpr const char *contour_key = "followed_contour", *point_key = "followed_point";
-// What ModelOptions::max_reroute_mm allows at most; and what distances may be rounded by.
-constexpr double widest_mm = 1000, rounded_mm = 0.01;
+// A file that does not say how far contours may leave their places is believed up to this.
+// [mm; > 0; D as ModelOptions::max_reroute_mm]
+constexpr double widest_mm = 1000;
+// Distances in a file are rounded by no more. [mm; 0 to 0.1; D digits of files]
+constexpr double rounded_mm = 0.01;
 
 // The next word of the text as a number, which is taken off it.
 template <class Number>

@@ -10,7 +10,18 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double width = 520, height = 210, left = 52, right = 12, top = 10, bottom = 38;
+// A chart is so wide in its own units, which the page scales. [px; > 0; D]
+constexpr double width = 520;
+// A chart is so high. [px; > 0; D]
+constexpr double height = 210;
+// The numbers of the vertical axis need this margin. [px; >= 0; D]
+constexpr double left = 52;
+// The last number of the horizontal axis needs this margin. [px; >= 0; D]
+constexpr double right = 12;
+// The highest number of the vertical axis needs this margin. [px; >= 0; D]
+constexpr double top = 10;
+// The numbers and the name of the horizontal axis need this margin. [px; >= 0; D]
+constexpr double bottom = 38;
 
 std::string attribute(const char* name, double value) {
     return std::string(" ") + name + "=\"" + fixed_text(value, 2) + "\"";

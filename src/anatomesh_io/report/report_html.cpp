@@ -13,7 +13,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t max_listed_rows = 200, max_log_rows = 5000, max_warning_rows = 2000;
+// The page lists no more cells; report.json has them all. [rows; >= 1; B]
+constexpr std::size_t max_listed_rows = 200;
+// The page lists no more lines of the contours' log, so that browsers open it at once. [rows; >= 1; B]
+constexpr std::size_t max_log_rows = 5000;
+// The page lists no more warnings, so that browsers open it at once. [rows; >= 1; B]
+constexpr std::size_t max_warning_rows = 2000;
 
 std::string cell(const std::string& html) {
     return "<td>" + html + "</td>";

@@ -14,6 +14,7 @@ namespace anatomesh {
 
 namespace {
 
+// Indices of points are stored in 24 bits, so that a scene has no more. [points; 2^24; D]
 constexpr std::size_t max_scene_points = std::size_t{1} << 24;
 
 void put16(std::string& out, std::uint32_t value) {

@@ -14,8 +14,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double most_points = 96;  // of the raster along its longer side
-constexpr int steps = 16;           // of colour on each side of the contour
+// The raster of a distance map has so many points along its longer side: more make the page large.
+// [points; >= 2; B]
+constexpr double most_points = 96;
+// Distances have so many steps of colour on each side of the contour; more make the page larger and no
+// clearer. [steps; >= 2; D]
+constexpr int steps = 16;
 
 struct Chosen {
     std::uint32_t slice = 0, structure = 0;

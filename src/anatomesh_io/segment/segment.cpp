@@ -21,8 +21,11 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double shrunk_by_pixels = 2;  // what an active contour that only grows begins with
-constexpr double settled = 0.02;  // RMS change of a level set, in voxels a step, below which it stands still
+// An active contour that only grows begins with the region shrunk by this, so that it comes to the border
+// from inside. [pixels; >= 0; M 2026-11, set not recorded]
+constexpr double shrunk_by_pixels = 2;
+// A level set stands still that changes by less in a step, as root mean square. [voxels; > 0; B]
+constexpr double settled = 0.02;
 
 struct Mask {
     std::vector<std::uint8_t> voxels;
@@ -261,6 +264,8 @@ class Segmenter {
     // The recursive filters want four voxels along each axis: a thinner image gets its last ones repeated.
     template <class Filter>
     Result<ItkGrey::Pointer> filtered(Filter& filter) {
+        // ITK's recursive filters want so many voxels along each axis: a thinner image gets its last ones
+        // repeated. [voxels; 4; D ITK]
         constexpr std::uint32_t least = 4;
         const auto& size = image_.geometry.size;
         ImageGeometry thick = image_.geometry;
@@ -369,8 +374,8 @@ Error nothing_left(const GreyImage& image) {
             "choose another --threshold, --seed or --method"};
 }
 
-// ITK's level sets want four voxels along each axis. A thinner image gets its last voxels repeated, and so
-// does the region to begin with: a contour in a slice evolves as the cylinder above it does.
+// ITK's level sets want so many voxels along each axis. A thinner image gets its last ones repeated, and a
+// contour in it evolves as the cylinder above it does. [voxels; 4; D ITK]
 constexpr std::uint32_t least_voxels = 4;
 
 bool is_too_thin(const GreyImage& image, SegmentMethod method) {
