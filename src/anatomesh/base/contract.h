@@ -6,29 +6,42 @@
 
 namespace anatomesh::contract {
 
-// Clause 2. Share of a drawn region's area by which the model's cross-section may differ from it, 1. C
+// Clause 2: the model's cross-section differs from a drawn region by no more than this share of its area.
+// [1, of the area; 0 to 1; C clause 2]
 inline constexpr double section_tolerance = 0.001;
-// Of a structure's drawn areas together, what is amiss on all slices together: above this the clause is broken, 1. C
+// Clause 2: if more of a structure's drawn areas together is amiss, the clause is broken and no model is
+// written. [1, of the area; 0 to 1; C clause 2]
 inline constexpr double gross_section_share = 0.1;
 
-// Clause 4. Circumradius over shortest edge that every cell aims at, 1. C
+// Clause 4: every cell aims at a circumradius of so many shortest edges at most. [1; > 0.62; C clause 4]
 inline constexpr double max_radius_edge = 2.0;
-// Cells above it that nothing forces may be this share of all cells, while the mean ratio of the cells that nothing
-// forces is at most the next one, 1. C
+// Clause 4: cells above max_radius_edge that nothing forces may be this share of all cells, while
+// mean_radius_edge is kept. [1, of the cells; 0 to 1; C clause 4]
 inline constexpr double share_over_bound = 0.005;
+// Clause 4: the mean ratio of the cells that nothing forces is at most this. [1; > 0.62; C clause 4]
 inline constexpr double mean_radius_edge = 1.2;
-// One cell that nothing forces and that is beyond these: the clause is not kept; 1, degrees. C
-inline constexpr double bad_radius_edge = 4, bad_dihedral_degrees = 10;
-// What operations may leave in exchange for something better: a little below the former, so that what comes after them
-// does not carry it beyond, 1. M
+// Clause 4: it is not kept if one cell that nothing forces has a larger ratio.
+// [1; > max_radius_edge; C clause 4]
+inline constexpr double bad_radius_edge = 4;
+// Clause 4: it is not kept if one cell that nothing forces has a smaller dihedral angle.
+// [degrees; 0 to 70.5; C clause 4]
+inline constexpr double bad_dihedral_degrees = 10;
+// Operations may leave such a ratio in exchange for something better: it is a little below the bound, so that
+// what comes after does not carry it beyond.
+// [1; max_radius_edge to bad_radius_edge; M 2026-11 pelvis, spine, skull, 61 labels, fetal brain]
 inline constexpr double nearly_bad_radius_edge = 3.9;
-// One such cell beyond these breaks the clause, whatever the shares; one that the contours force is too flat for any use,
-// so that the clause is not kept; 1, degrees. C
-inline constexpr double gross_radius_edge = 100, gross_dihedral_degrees = 0.05;
-// A contour vertex nearer to another one, or to a segment, than this share of the mean edge forces its cells, 1. C
+// Clause 4: one cell that nothing forces above this ratio breaks it, whatever the shares; a forced one is too
+// flat for any use, and the clause is not kept. [1; > bad_radius_edge; C clause 4]
+inline constexpr double gross_radius_edge = 100;
+// Clause 4: the same holds for a cell with a dihedral angle below this.
+// [degrees; 0 to bad_dihedral_degrees; C clause 4]
+inline constexpr double gross_dihedral_degrees = 0.05;
+// Clause 4: a contour vertex nearer to another one, or to a segment, than this share of the mean edge forces
+// its cells. [1, of the mean edge; 0 to 1; C clause 4]
 inline constexpr double forcing_share = 0.1;
 
-// Clause 6. Relative difference of the volume by mesh from that of the field, 1. C
+// Clause 6: the volume of the mesh differs by no more than this share from that of the field.
+// [1, of the volume; 0 to 1; C clause 6]
 inline constexpr double volume_tolerance = 0.002;
 
 }  // namespace anatomesh::contract

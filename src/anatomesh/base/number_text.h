@@ -68,7 +68,12 @@ inline std::string significant_text(double value, int digits) {
 // The shortest text that reads back as the same double, for messages: without an exponent from 1e-4 to 1e16.
 // plain_text(0.0001) = "0.0001", where number_text() says "1e-04".
 inline std::string plain_text(double value) {
-    constexpr int least_exponent = -4, most_exponent = 16;
+    // Smaller numbers are written with an exponent, because zeros are hard to count.
+    // [decimal exponent; < 0; D]
+    constexpr int least_exponent = -4;
+    // Numbers from this power on are written with an exponent: a double has 16 digits that are sure.
+    // [decimal exponent; 1 to 17; D digits of doubles]
+    constexpr int most_exponent = 16;
     std::array<char, 40> buffer;
     char* const end = buffer.data() + buffer.size();
     const std::string scientific(buffer.data(),

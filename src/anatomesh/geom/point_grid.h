@@ -45,6 +45,7 @@ class PointGrid {
     }
 
   private:
+    // It ends the list of a bucket. [index; 2^32 - 1; D]
     static constexpr std::uint32_t none = 0xFFFFFFFFu;
     struct Key {
         std::int64_t i, j, k;

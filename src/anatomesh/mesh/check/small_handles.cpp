@@ -16,7 +16,8 @@ namespace anatomesh {
 
 namespace {
 
-// Of the reach: so far from the middle of a part all is seen from there.
+// All of a handle within the reach is seen from a place within this share of it, so that vertices that near
+// are no further middles. [reaches; 0 to 1; B]
 constexpr double covered = 0.5;
 
 // A surface, and what lies near a vertex of it.

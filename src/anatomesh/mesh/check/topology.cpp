@@ -12,6 +12,7 @@ namespace anatomesh {
 
 namespace {
 
+// A thread takes so many cells at a time, enough to hide the cost of handing them out. [cells; >= 1; B]
 constexpr std::size_t grain = 16384;
 
 // The edge from corner e to corner e + 1 of triangle t has id 3 t + e.
@@ -55,7 +56,10 @@ struct EdgeCensus {
 // Vertices whose corners fall into more than one fan, and the number of vertices.
 void count_vertices(const std::vector<std::uint32_t>& corner_vertex, std::size_t vertex_count,
                     DisjointSets& fans, SurfaceTopology& topology) {
-    constexpr std::uint32_t unseen = 0xFFFFFFFFu, several = 0xFFFFFFFEu;
+    // It stands for a vertex without a fan so far. [index; 2^32 - 1; D]
+    constexpr std::uint32_t unseen = 0xFFFFFFFFu;
+    // It stands for a vertex with more than one fan, which is counted once. [index; 2^32 - 2; D]
+    constexpr std::uint32_t several = 0xFFFFFFFEu;
     std::vector<std::uint32_t> fan_of(vertex_count, unseen);
     for (std::uint32_t corner = 0; corner < corner_vertex.size(); ++corner) {
         std::uint32_t& fan = fan_of[corner_vertex[corner]];

@@ -20,6 +20,7 @@ namespace anatomesh {
 
 namespace {
 
+// A check keeps so many places of each kind of fault: more tell nobody more. [places; >= 1; B]
 constexpr std::uint64_t examples_of_each = 10;
 
 constexpr std::array<const char*, 11> fault_names{
@@ -280,6 +281,8 @@ void check_boundary(const TetMesh& mesh, const Boundary& boundary, int threads, 
     const auto find_crossings = [&] {
         tree = make_box_tree(mesh.points, boundary.triangles, threads);
         const MeetingPairs pairs(tree, mesh.points, boundary.triangles);
+        // The search for pairs that overlap is parted into so many pieces, enough for every thread to have
+        // some until the end. [pieces; >= 1; B]
         constexpr std::size_t pieces_wanted = 512;
         const std::vector<NodePair> pieces = pairs.pieces(pieces_wanted);
         found.resize(pieces.size());

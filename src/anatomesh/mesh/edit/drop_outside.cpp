@@ -12,6 +12,7 @@ namespace anatomesh {
 
 namespace {
 
+// A thread takes so many cells at a time, enough to hide the cost of handing them out. [cells; >= 1; B]
 constexpr std::size_t grain = 65536;
 
 }  // namespace

@@ -18,6 +18,7 @@ struct BoxTree {
         Box3 box;
         std::uint32_t first = 0, count = 0;
     };
+    // A leaf holds no more triangles: fewer make more nodes, more are tested in vain. [triangles; >= 1; B]
     static constexpr std::uint32_t leaf_size = 4;
 
     std::vector<Node> nodes;           // empty without triangles

@@ -11,7 +11,8 @@
 
 namespace anatomesh {
 
-// Of a loop over cells in the order of their numbers: so many before they are read.
+// Loops over cells in the order of their numbers ask for the points of the cell so many later, so that memory
+// answers in time. [cells; >= 1; B]
 inline constexpr std::size_t cells_ahead = 8;
 
 inline void prefetch_points(const std::vector<Vec3>& points, const Cell& cell) {

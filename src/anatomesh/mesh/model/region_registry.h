@@ -50,6 +50,8 @@ class RegionRegistry {
     bool full() const { return full_; }
     const RegionTable& table() const { return table_; }
 
+    // More sets of structures are refused: a region is a number of 16 bits, and some are left for the stages.
+    // [regions; 1 to 65535; B]
     static constexpr std::size_t max_regions = 65000;
 
   private:

@@ -7,7 +7,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double on_segment = 1e-6;  // a vertex within it, in its lengths
+// A vertex within this distance lies on the segment: points that split it are rounded.
+// [lengths of the segment; 0 to 1e-3; D rounding of doubles]
+constexpr double on_segment = 1e-6;
 
 }  // namespace
 

@@ -12,6 +12,7 @@ namespace anatomesh {
 using Cell = std::array<std::uint32_t, 4>;
 using Region = std::uint16_t;  // index into RegionTable; 0 is outside
 
+// It stands for no cell, and for no vertex. [index; 2^32 - 1; D]
 inline constexpr std::uint32_t no_cell = 0xFFFFFFFFu;
 
 // Facet i of a cell is the one opposite vertex i; seen from outside a positive cell its vertices

@@ -12,6 +12,7 @@ namespace anatomesh {
 
 namespace {
 
+// Angles are told in degrees and computed in radians. [degrees per rad; 180 / pi; D]
 constexpr double degrees_per_radian = 180.0 / std::numbers::pi;
 
 // Six times the volume, and the numerator of the circumcenter relative to a:

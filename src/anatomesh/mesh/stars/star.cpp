@@ -11,7 +11,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_runs = 16;  // of cells that are sorted at once
+// Cells are counted by no more threads at once, because each takes memory for every vertex.
+// [threads; >= 1; B]
+constexpr int most_runs = 16;
 
 // What belongs to each vertex, rising and once: that of vertex v is items[start[v], start[v + 1]).
 // visit(emit) must call emit(vertex, item) for the same sequence each time it is called. Count, scan, fill,
@@ -152,6 +154,7 @@ void StarAnalyzer::add_cut(Body body) {
 
 // Numbers the components of one cut in component_ and returns how many there are.
 int StarAnalyzer::count_components(std::uint32_t cut) {
+    // It stands for a cell without a component so far. [index; 2^32 - 1; D]
     constexpr std::uint32_t none = 0xFFFFFFFFu;
     component_.assign(star_.size(), none);
     int components = 0;

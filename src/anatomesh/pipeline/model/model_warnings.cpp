@@ -16,11 +16,21 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double widest_cut = 0.01;           // more of a drawn region's area amiss on its slice is warned of
-constexpr double widest_distance = 0.5;       // of the edge length: a surface further from the field
-constexpr double widest_volume_share = 0.05;  // of slice integration: a field that differs by more
-constexpr double least_overlap = 1e-3;        // of the smaller one: less is between outlines that touch
-constexpr double widest_joint = 0.5;  // of the edge length: surfaces further apart that meet in the mesh
+// If more of a drawn region's area is amiss on its slice, W-PIP-003 names the worst slice.
+// [1, of the area; 0 to 1; C W-PIP-003]
+constexpr double widest_cut = 0.01;
+// A surface further from the field than this is warned of: it is a spike, a crumb or a cavity.
+// [edge lengths; > 0; C W-PIP-008]
+constexpr double widest_distance = 0.5;
+// A field whose volume differs from slice integration by a larger share is warned of.
+// [1, of the volume; 0 to 1; C W-PIP-011]
+constexpr double widest_volume_share = 0.05;
+// An overlap below this share of the smaller structure is none: outlines that touch have some.
+// [1, of the volume; 0 to 1; M 2026-11, set not recorded]
+constexpr double least_overlap = 1e-3;
+// Surfaces further apart in the field that meet in the mesh are warned of: a wall between them has a hole.
+// [edge lengths; > 0; C W-PIP-009]
+constexpr double widest_joint = 0.5;
 
 std::string counted(std::uint64_t count, const std::string& noun) {
     return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");

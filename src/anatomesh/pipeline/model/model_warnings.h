@@ -35,7 +35,8 @@ void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const S
 void warn_of_overlaps(const TetMesh& mesh, const RegionTable& regions, std::span<const Structure> structures,
                       const std::string& file, RunContext& context);
 
-// Below so many edge lengths a mean thickness is warned of.
+// A structure whose mean thickness is below so many edge lengths is warned of: its walls may have holes.
+// [edge lengths; > 0; C W-PIP-002]
 inline constexpr double thin_sizes = 0.8;
 
 // Of contours before a model is built, W-PIP-002: structures thinner than that. `thickness`: by structure, mm;
