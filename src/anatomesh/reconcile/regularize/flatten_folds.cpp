@@ -29,12 +29,12 @@ constexpr double drawn_area = 0.06;
 constexpr double sharp_degrees = 75;
 // It is one if its point was drawn blunter than this. [degrees; sharp_degrees to 180; M 2026-11 fetal brain]
 constexpr double blunt_degrees = 100;
-// A sharper corner bounds next to nothing and is cut off wherever it is. [degrees; 0 to sharp_degrees; M
-// 2026-11, set not recorded]
+// A sharper corner bounds next to nothing and is cut off wherever it is.
+// [degrees; 0 to sharp_degrees; M 2026-11 fetal brain]
 constexpr double needle_degrees = 15;
-// The movement made at least this share of the height of a spike. [1; 0 to 1; M 2026-11, set not recorded]
+// The movement made at least this share of the height of a spike. [1; 0 to 1; M 2026-11 fetal brain]
 constexpr double pulled_share = 0.5;
-// A lower spike is a kink, whose height says nothing. [mm; >= 0; M 2026-11, set not recorded]
+// A lower spike is a kink, whose height says nothing. [mm; >= 0; M 2026-11 fetal brain]
 constexpr double lowest_mm = 0.1;
 // Where no point of a contour moved further, nothing was folded. [mm; >= 0; M 2026-11 fetal brain]
 constexpr double least_move_mm = 0.5;

@@ -20,24 +20,24 @@ namespace anatomesh {
 
 namespace {
 
-// A direction with a smaller share across the line runs along it. [1, sine; 0 to 1; M 2026-11, set not
-// recorded]
+// A direction with a smaller share across the line runs along it.
+// [1, sine; 0 to 1; M 2026-11 69 random sets about an axis]
 constexpr double least_across = 0.1;
-// With a smaller share across the line it is not known in which half plane a leg lies. [1, sine; 0 to 1; M
-// 2026-11, set not recorded]
+// With a smaller share across the line it is not known in which half plane a leg lies.
+// [1, sine; 0 to 1; M 2026-11 thin shell by 15 planes]
 constexpr double no_half_plane = 0.01;
-// A leg is turned up to this share of the way to the next point that must stay. [1; 0 to 0.5; M 2026-11, set
-// not recorded]
+// A leg is turned up to this share of the way to the next point that must stay.
+// [1; 0 to 0.5; M 2026-11 69 random sets about an axis]
 constexpr double share_of_way = 1.0 / 3;
 // A smaller share of the radius asked for leaves no room for a vertex. [1; 0 to 1; M 2026-11, set not
 // recorded]
 constexpr double least_radius_share = 0.02;
-// A leg with room for a smaller share of the radius is no bound to the others. [1; 0 to 1; M 2026-11, set not
-// recorded]
+// A leg with room for a smaller share of the radius is no bound to the others.
+// [1; 0 to 1; M 2026-11 69 random sets about an axis]
 constexpr double short_leg_share = 0.5;
-// A vertex up to so many radii away is the leg's end. [radii; >= 1; M 2026-11, set not recorded]
+// A vertex up to so many radii away is the leg's end. [radii; >= 1; M 2026-11 69 random sets about an axis]
 constexpr double vertex_near = 1.3;
-// A leg that would turn by less stays as it is. [degrees; >= 0; M 2026-11, set not recorded]
+// A leg that would turn by less stays as it is. [degrees; >= 0; M 2026-11 69 random sets about an axis]
 constexpr double least_turn_degrees = 3;
 
 double degrees(double radians) {

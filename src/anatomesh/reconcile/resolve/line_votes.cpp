@@ -9,8 +9,8 @@ namespace anatomesh {
 
 namespace {
 
-// Lines in which rounded planes about an axis meet pairwise differ in direction by less. [1; 0 to 1; M
-// 2026-11, set not recorded]
+// Lines in which rounded planes about an axis meet pairwise differ in direction by less.
+// [1; 0 to 1; D digits of files]
 constexpr double same_direction_sine = 1e-3;
 
 bool runs_by(const Line& line, const Line& other, Vec3 place) {
