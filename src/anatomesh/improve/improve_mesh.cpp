@@ -29,11 +29,12 @@ constexpr double radians_per_degree = std::numbers::pi / 180;  // [radians per d
 // Operations aim so far above the target, since later ones take a little. [degrees; >= 0; M 2026-11, set not
 // recorded]
 constexpr double margin_degrees = 3;
-// At last a chain of subsegments may cost this share of the cells inside, above the bound of ratios. [1; 0 to
-// 1; M 2026-11, set not recorded]
+// At last a chain of subsegments may cost this share of the cells inside, above the bound of ratios.
+// [1; 0 to 1; M 2026-11 fetal brain, body labels, skull mask]
 constexpr double most_for_segment = 1e-5;
 // One cell in so many may be above the last bound for these to be worked on: more are where planes crowd each
-// other, and the cells in their place would spoil the rest. [cells; > 0; M 2026-11, set not recorded]
+// other, and the cells in their place would spoil the rest.
+// [cells; > 0; M 2026-11 pelvis, spine, skull, 61 labels, fetal brain]
 constexpr std::size_t few_high = 2000;
 // Ratios are lowered once more if the last time lowered one cell in so many. [cells; > 0; B]
 constexpr std::size_t worth_a_pass = 20;

@@ -13,14 +13,16 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t most_pierced = 100;  // [cells; >= 1; B]
-// A subsegment is split at these shares of its length, in this order. [1; 0 to 1; M 2026-11, set not recorded]
+// A subsegment is split at these shares of its length, in this order.
+// [1; 0 to 1; M 2026-11 fetal brain and crossing stacks]
 constexpr std::array<double, 5> shares{0.5, 0.35, 0.65, 0.2, 0.8};
-// Free vertices nearer to a subsegment than this may go, [its lengths; 0 to 0.5; M 2026-11, set not recorded]
+// Free vertices nearer to a subsegment than this may go,
+// [its lengths; 0 to 0.5; M 2026-11 fetal brain and crossing stacks]
 constexpr double near_share = 0.45;
-// so far from its ends, [its lengths; 0 to 0.5; M 2026-11, set not recorded]
+// so far from its ends, [its lengths; 0 to 0.5; M 2026-11 fetal brain and crossing stacks]
 constexpr double from_ends = 0.1;
 constexpr std::size_t most_near = 3;  // no more of them, [vertices; >= 0; B]
-// where that makes the worst cell so many times better. [1; >= 1; M 2026-11, set not recorded]
+// where that makes the worst cell so many times better. [1; >= 1; M 2026-11 fetal brain and crossing stacks]
 constexpr double drop_gain = 1.25;
 // A better shape than this is not looked for. [shape, 1 for good cells; 0 to 1; B]
 constexpr double enough = 0.8;

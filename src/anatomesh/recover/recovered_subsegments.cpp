@@ -26,18 +26,22 @@ constexpr std::array<double, 9> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05
 // From the shape of that number on only few missing subsegments are recovered.
 // [index of least_shapes; 0 to 9; M 2026-11 69 sets about an axis]
 constexpr std::size_t for_few = 5;
-// From this shape on subsegments are split that nothing else recovers, [shape; 0 to 1; M 2026-11, set not recorded]
+// From this shape on subsegments are split that nothing else recovers,
+// [shape; 0 to 1; M 2026-11 bone of a skull above 700 HU]
 constexpr double worth_splits = 0.2;
 constexpr int most_splits = 5;  // each no more often. [splits; >= 0; B]
-// If no larger share of the subsegments is missing, they are few. [1; 0 to 1; M 2026-11, set not recorded]
+// If no larger share of the subsegments is missing, they are few.
+// [1; 0 to 1; M 2026-11 bone of a skull above 700 HU]
 constexpr double worth_any_shape = 2e-4;
 // Forced bad cells may become more by this share of the cells inside. [1; 0 to 1; M 2026-11 random sets about an axis]
 constexpr double most_more_forced = 0.03;
-// Cells above the bound of clause 4 for single ones may, by this share. [1; 0 to 1; M 2026-11, set not recorded]
+// Cells above the bound of clause 4 for single ones may, by this share.
+// [1; 0 to 1; M 2026-11 fetal brain and crossing stacks]
 constexpr double most_more_far_above = 2e-5;
 // A shape is tried so often, without the subsegments that cost too much. [attempts; >= 1; B]
 constexpr int most_attempts = 3;
-// The least shape of cells at points beside subsegments. [shape; 0 to 1; M 2026-11, set not recorded]
+// The least shape of cells at points beside subsegments.
+// [shape; 0 to 1; M 2026-11 fetal brain and crossing stacks]
 constexpr double side_shape = 0.5;
 constexpr int side_rounds = 2;        // [rounds; >= 0; B]
 constexpr std::size_t grain = 16384;  // [cells at a time; >= 1; B]

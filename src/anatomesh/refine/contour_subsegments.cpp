@@ -25,9 +25,10 @@ constexpr double dense_free_share = 0.5;
 constexpr double subsegment_clearance = 0.05;
 // Nearly the whole ball of the subsegment. [free_share; 0 to 2; M 2026-11 fetal brain and crossing stacks]
 constexpr double lone_room = 1.9;
-// The same where planes are dense. [free_share; 0 to 2; M 2026-11, set not recorded]
+// The same where planes are dense. [free_share; 0 to 2; M 2026-11 dense freehand planes]
 constexpr double crowded_room = 0.3;
-// As shortest_subsegment, where subsegments were split beforehand. [sizes; > 0; M 2026-11, set not recorded]
+// As shortest_subsegment, where subsegments were split beforehand.
+// [sizes; > 0; M 2026-11 16 structures of a head]
 constexpr double shortest_graded = 0.01;
 
 }  // namespace

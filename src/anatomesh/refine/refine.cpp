@@ -19,7 +19,8 @@ namespace {
 
 // Points of one round keep this distance from each other. [circumradii; 0 to 1; M 2026-11, set not recorded]
 constexpr double spread = 0.7;
-// A facet near another structure's surface deviates if it is so far from its own. [bounds; >= 1; M 2026-11, set not recorded]
+// A facet near another structure's surface deviates if it is so far from its own.
+// [bounds; >= 1; M 2026-11 22 random label maps]
 constexpr double far_off = 5;
 // Cells with circumradii of more shortest edges wait where a point was chosen. [shortest edges; > 0; B]
 constexpr double far = 8;

@@ -28,7 +28,7 @@ constexpr std::size_t small_mesh = 20000;
 constexpr double bound_step = 0.05;
 // so often, [steps; 0 to 10; M 2026-11 thigh and breast]
 constexpr int bound_steps = 5;
-// or so often for a mean below 1, [steps; 0 to 10; M 2026-11, set not recorded]
+// or so often for a mean below 1, [steps; 0 to 10; M 2026-11 models of few thick slices]
 constexpr int bound_steps_below_1 = 8;
 constexpr int even_rounds = 4;     // with each of these bounds. [rounds; >= 1; B]
 constexpr int last_rounds = 1;     // After the last segments. [rounds; >= 1; B]

@@ -15,7 +15,7 @@ namespace {
 
 // An end this near to another segment lies on it, in lengths of that segment: contours drawn on one grid
 // touch to within the last digits of their files. The certificate's chains have the same tolerance.
-// [lengths of the segment; 0 to 1e-3; M 2026-11, set not recorded]
+// [lengths of the segment; 0 to 1e-3; D digits of files]
 constexpr double touching = 1e-6;
 // A subsegment is not split on a shell nearer to its ends. [its lengths; 0 to 0.5; M 2026-11, set not recorded]
 constexpr double from_ends = 0.25;

@@ -29,8 +29,8 @@ constexpr double surface_band = 0.45;
 // A lattice point is at most so far from its place: ties of position break, shapes stay.
 // [half steps; 0 to 0.2; M 2026-11, set not recorded]
 constexpr double lattice_shift = 0.04;
-// The default size is so many times the root of vertex spacing times slice spacing: thin walls get finer points of
-// their own. [1; > 0; M 2026-11, set not recorded]
+// The default size is so many times the root of vertex spacing times slice spacing: thin walls get finer
+// points of their own. [1; > 0; M 2026-11 skull]
 constexpr double size_per_spacing = 1.05;
 // Walls two edges thick in the mean have cells with vertices inside. [mean thicknesses; 0 to 1; M 2026-11 sparse skull]
 constexpr double size_per_thickness = 0.49;
@@ -60,9 +60,9 @@ constexpr double most_graded = 20;
 constexpr double most_graded_where_planes_cross = 0.5;
 // Contour segments are split to this length. [sizes; > 0; M 2026-11, set not recorded]
 constexpr double longest_segment = 1.2;
-// The slope of the protected lenses on parallel slices: 22 degrees at half the ball. Where planes cross, short
-// subsegments lie in each other's balls, and points refused for their lenses left bad cells.
-// [1; 0 to 1; M 2026-11, set not recorded]
+// The slope of the protected lenses on parallel slices: 22 degrees at half the ball. Where planes cross,
+// short subsegments lie in each other's balls, and points refused for their lenses left bad cells.
+// [1; 0 to 1; M 2026-11 CT labels cut by the border, skull, spine]
 constexpr double lens_slope = 0.8;
 // Surface points lie on the interface to within this: a tenth of the tolerance of clause 6.
 // [sizes; 0 to 0.02; M 2026-11, set not recorded]

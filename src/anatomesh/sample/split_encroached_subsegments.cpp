@@ -16,7 +16,8 @@ namespace anatomesh {
 namespace {
 
 constexpr int most_rounds = 24;  // [rounds; >= 1; B]
-// A subsegment is not split where a vertex is this near. [shortest lengths; 0 to 1; M 2026-11, set not recorded]
+// A subsegment is not split where a vertex is this near.
+// [shortest lengths; 0 to 1; M 2026-11 fetal brain and crossing stacks]
 constexpr double near_share = 0.5;
 // A vertex on the sphere of a ball is not in it. [radii; 0 to 1; D rounding of doubles]
 constexpr double in_ball = 1 - 1e-9;

@@ -14,7 +14,7 @@ namespace {
 constexpr double spot_reach = 0.7;
 // Thickness over edge length that keeps a wall whole. [1; 0 to 1; M 2026-11 shells of lattice points]
 constexpr double edge_share = 0.6;
-// So far beyond a surface it is seen what is there. [sizes; 0 to 0.1; M 2026-11, set not recorded]
+// So far beyond a surface it is seen what is there. [sizes; 0 to 0.1; M 2026-11 skull]
 constexpr double just_off = 0.02;
 
 }  // namespace

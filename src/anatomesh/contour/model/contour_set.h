@@ -106,8 +106,7 @@ inline std::uint32_t point_before(const Contour& contour, std::uint32_t point) {
 // Whether all planes have the same normal up to sign. Their angle may move the outermost point of the set by
 // less than `tolerance_mm`, and is at most 0.57 degrees, because a small set is moved by less. O(points + slices).
 bool all_parallel(const ContourSet& set, double tolerance_mm);
-// Files round normals; planes that move no point by more than this are parallel. [mm; > 0; M 2026-11, set not
-// recorded]
+// Files round normals; planes that move no point by more than this are parallel. [mm; > 0; D digits of files]
 inline constexpr double parallel_tolerance_mm = 0.01;
 
 // Returns the distance between neighbouring slices of a parallel set, which is the median of the gaps, in mm; 0 for

@@ -11,8 +11,8 @@
 
 namespace anatomesh {
 
-// A loop that is narrower in the mean, area over half of its perimeter, is what rounding left. [mm; > 0; M
-// 2026-11, set not recorded]
+// A loop that is narrower in the mean, area over half of its perimeter, is what rounding left.
+// [mm; > 0; D rounding of snapped points]
 inline constexpr double sliver_width_mm = 1e-3;
 // More edges of one slice are refused. [edges; > 0; B]
 inline constexpr std::size_t most_arrangement_edges = 20'000'000;

@@ -10,11 +10,9 @@ namespace anatomesh {
 
 namespace {
 
-// More cells at a time would change each other's surroundings before their turn. [cells; > 0; M 2026-11, set
-// not recorded]
+// More cells at a time would change each other's surroundings before their turn. [cells; > 0; B]
 constexpr std::size_t most_evaluated = 1024;
-// Of a short queue this part is evaluated at a time, for the same reason. [1; > 0; M 2026-11, set not
-// recorded]
+// Of a short queue this part is evaluated at a time, for the same reason. [1; > 0; B]
 constexpr std::size_t evaluated_part = 8;
 // Fewer cells at a time would not keep the threads at work. [cells; > 0; B]
 constexpr std::size_t least_evaluated = 64;

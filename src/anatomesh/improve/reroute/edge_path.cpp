@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t most_seen = 20'000;  // for a way: beside a segment there are a few [vertices; > 0; B]
 constexpr double least_distance = 1e-3;    // in most_mm: of ways as near, the shorter one [1; > 0; D]
-constexpr double backwards_price = 100;    // of a step back [1; > 1; M 2026-11, set not recorded]
+// of a step back [1; > 1; M 2026-11 dense freehand planes]
+constexpr double backwards_price = 100;
 
 }  // namespace
 

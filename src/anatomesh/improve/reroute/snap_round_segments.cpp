@@ -30,7 +30,7 @@ struct Routing {
     EdgePathRule rule;
 };
 constexpr int rounds = 3;  // over the missed segments of a slice [passes; > 0; B]
-// The routings that are tried in turn. [segments; >= 0; M 2026-11, set not recorded]
+// The routings that are tried in turn. [segments; >= 0; M 2026-11 dense freehand planes]
 constexpr std::array<Routing, 9> routings{{{0, 0, EdgePathRule::all},
                                            {0, 0, EdgePathRule::onwards},
                                            {0, 0, EdgePathRule::clear},

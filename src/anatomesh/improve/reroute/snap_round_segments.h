@@ -12,7 +12,7 @@
 namespace anatomesh {
 
 // How far models let contours be re-routed over edges, in edge lengths: as far as it is round the facets at
-// one that is longer than most. [1; > 0; M 2026-11, set not recorded]
+// one that is longer than most. [1; > 0; M 2026-11 dense freehand planes]
 inline constexpr double most_sizes_beside = 0.6;
 
 struct SnapRoundingOptions {

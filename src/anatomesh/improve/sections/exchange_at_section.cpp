@@ -11,7 +11,7 @@ namespace anatomesh {
 namespace {
 
 // Share of the least sine that cells may have before the vertex moves that stays of a collapsed edge.
-// [1; 0 to 1; M 2026-11, set not recorded]
+// [1; 0 to 1; M 2026-11 random sets in fans, freehand and crossing stacks]
 constexpr double before_moving = 0.5;
 constexpr int moves_after_collapse = 3;  // [passes; >= 0; B]
 

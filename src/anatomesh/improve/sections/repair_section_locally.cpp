@@ -19,7 +19,7 @@ namespace {
 
 // Places in vain: so many are of slices that contradict each other. [places; > 0; B]
 constexpr std::uint64_t most_vain = 10'000;
-// Share of what is drawn: less is not repaired where planes cross. [1; 0 to 1; M 2026-11, set not recorded]
+// Share of what is drawn: less is not repaired where planes cross. [1; 0 to 1; M 2026-11 labels of a body]
 constexpr double least_wrong_of_crossing = 1e-6;
 constexpr double radians_per_degree = std::numbers::pi / 180;  // [1; -; D]
 

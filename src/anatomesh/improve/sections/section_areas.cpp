@@ -15,7 +15,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double rounding = 1 + 1e-9;  // of a distance, upwards [1; > 1; D]
-// Share of what is drawn, that a section counts from. [1; 0 to 0.001; M 2026-11, set not recorded]
+// Share of what is drawn, that a section counts from. [1; 0 to 0.001; M 2026-11 random solids]
 constexpr double least_share = 1e-6;
 constexpr std::size_t cells_a_piece = 8192;  // that one thread looks at one after the other [cells; > 0; B]
 

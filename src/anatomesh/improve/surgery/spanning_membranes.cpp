@@ -21,8 +21,8 @@ constexpr std::size_t most_across = 6;        // on one side of a structure [mem
 // Area of the facets that an edge off the surface still needs, in squares of its length: an equilateral
 // triangle. [1; > 0; D]
 constexpr double edge_price = 0.43;
-// Price of a facet where the field has the side of the chain, in areas. [1; >= 1; M 2026-11, set not
-// recorded]
+// Price of a facet where the field has the side of the chain, in areas.
+// [1; >= 1; M 2026-11 fetal brain, body labels, abdomen]
 constexpr double wrong_side = 5;
 
 struct Dearer {
