@@ -13,7 +13,7 @@ namespace {
 
 // Rule 3: so much of a structure's area lies in the other one. [1; 0 to 1; M 2026-11 random solids]
 constexpr double nested_share = 0.5;
-// Rule 4: so much of its outline may run along the other one's. [1; 0 to 1; M 2026-11, set not recorded]
+// Rule 4: so much of its outline may run along the other one's. [1; 0 to 1; M 2026-11 a heart, 23 frames]
 constexpr double most_shared = 0.1;
 // Rule 5: so much of its area it may give to one of another level beside it. [1; 0 to 1; M 2026-11, set not
 // recorded]

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::uint32_t no_slice = 0xFFFFFFFFu;  // [1; -; D]
 // Planes that are nearer to each other and whose normals differ by less are one, as cleaning has it.
-// [mm; > 0; M 2026-11, set not recorded]
+// [mm; > 0; D as group_tolerance_mm of cleaning]
 constexpr double same_plane_mm = 0.01;
 // See there. [1; > 0; M 2026-11, set not recorded]
 constexpr double same_normal = 1e-4;

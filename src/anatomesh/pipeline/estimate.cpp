@@ -18,7 +18,7 @@ constexpr double tetrahedra_per_area = 30;
 // each point, two points a cube. [tetrahedra; > 0; D]
 constexpr double tetrahedra_per_volume = 12;
 // A whole run takes so much memory for each tetrahedron that it ends with.
-// [bytes; > 0; M 2026-11 heads, spines, organs and bones at 1.4 to 4.3 mm]
+// [bytes; > 0; M 2026-11, set not recorded]
 constexpr double bytes_per_tetrahedron = 700;
 // The default edge length is at most so many slice spacings, as the estimate of its cells has to know.
 // [slice spacings; > 0; C]

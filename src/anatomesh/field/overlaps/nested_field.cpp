@@ -21,7 +21,7 @@ namespace {
 // [1; > 1; B]
 constexpr double lattice_share = 5;
 // If less than this share of a structure lies outside another one, or in it, its volume is not parted: it
-// would be a small difference of large numbers. [1, of the volume; 0 to 0.1; M 2026-11 a heart]
+// would be a small difference of large numbers. [1, of the volume; 0 to 0.1; M 2026-11, set not recorded]
 constexpr double hardly_any = 0.002;
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 

@@ -14,10 +14,10 @@ namespace anatomesh {
 
 namespace {
 
-// Among fewer slices no gap is usual. [slices; >= 3; M 2026-11 slices held by hand]
+// Among fewer slices no gap is usual. [slices; >= 3; M 2026-11, set not recorded]
 constexpr std::size_t fewest_slices = 5;
 // Planes that run no further beside the axis of a turn are slices about it, and their gaps are angles.
-// [diagonals of the box; 0 to 1; M 2026-11 slices held by hand]
+// [diagonals of the box; 0 to 1; M 2026-11, set not recorded]
 constexpr double most_beside = 0.05;
 // A gap wider than so many gaps that three in four do not exceed lacks slices. [usual gaps; > 1; C W-FLD-001]
 constexpr double widest = 2.5;

@@ -13,7 +13,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t least_slices = 4;  // A family has no fewer. [slices; >= 2; M 2026-11, set not recorded]
+// A family of slices has no fewer. [slices; >= 2; M 2026-11 two things 0.6 mm apart in three stacks]
+constexpr std::size_t least_slices = 4;
 const double most_sine = std::sin(std::numbers::pi / 180);
 
 std::optional<StackOfSlices> stack_of(const ContourSet& contours, const std::vector<std::uint32_t>& chosen) {

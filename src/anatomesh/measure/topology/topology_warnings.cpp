@@ -23,8 +23,8 @@ namespace {
 
 // A structure this many sizes thick in the mean has no walls that tear. [sizes; > 0; M 2026-11, set not recorded]
 constexpr double tears_below = 2;
-constexpr double finer =
-    0.7;  // The size that a warning advises. [sizes; 0 to 1; M 2026-11, set not recorded]
+// A warning advises this size. [sizes; 0 to 1; D the edge length of a finer run]
+constexpr double finer = 0.7;
 
 // By structure, whether a slice shows several contours of it: they follow one another.
 std::vector<std::uint8_t> shown_in_several(const ContourSet& contours) {

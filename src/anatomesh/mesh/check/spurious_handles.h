@@ -12,7 +12,7 @@
 namespace anatomesh {
 
 // A handle within so many edge lengths is the mesh's own where no contour shows it.
-// [1; > 0; M 2026-11, set not recorded]
+// [1; > 0; M 2026-11 68 sets about an axis]
 inline constexpr double spurious_handle_reach = 1.5;
 
 // Contours with the mesh vertices of all their points, or no_cell.

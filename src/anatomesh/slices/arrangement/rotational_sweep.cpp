@@ -69,7 +69,7 @@ constexpr double middle_half = 0.5;
 // circle about the axis. [distances beside the axis; > 1; M 2026-11 planes beside their axis]
 constexpr double off_foot = 1.25;
 // If contours of a half-plane reach less far than this share of the median one, it may show the edge of what
-// was drawn on the other side. [1; 0 to 1; M 2026-11 slices drawn on one side of the axis]
+// was drawn on the other side. [1; 0 to 1; M 2026-11, set not recorded]
 constexpr double least_reach = 0.25;
 // Shorter distances are none: they come from rounding. [mean radii; 0 to 1e-3; D rounding of doubles]
 constexpr double rounding = 1e-6;
