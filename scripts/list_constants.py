@@ -5,16 +5,24 @@
     list_constants.py --write      writes docs/constants.md as well, if all have one
     list_constants.py --check      says as well whether docs/constants.md is out of date (exit 1)
 
-A named number is a constexpr of an arithmetic type outside of tests. The comment on its line, or the comment block directly
-above it, ends with a tag: [unit; range; SOURCE]. SOURCE begins with a letter:
+A named number is a constexpr of an arithmetic type outside of tests, or a list of such with a decimal point in it. The comment on
+its line, or the comment block directly above it, ends with a tag: [unit; range; SOURCE]. SOURCE begins with a letter:
 
     C   the contract: docs and base/contract.h say it to users
     P   a paper (author, year, section)
-    M   measured (year-month, data set)
+    M   measured (year-month, data set): the rule was tried with this number on that data; where nobody wrote down which, the tag
+        says "set not recorded"
     B   a budget: it bounds time or memory
-    D   a definition: mathematics, rounding of doubles, a file format's own number
+    D   a definition: mathematics, rounding of doubles, a file format's own number, or a number made of another one
 
-A number has a declaration of its own. Numbers that are made of mathematical constants, limits of a type and other names alone need no tag.
+A number has a declaration of its own. These need no tag:
+
+- Numbers that are made of mathematical constants, limits of a type and other names alone: they follow from what has one.
+- Default member initialisers of options: a caller chooses those. The comment beside an option says its unit and range, and the
+  header and the page of its stage say why the default is what it is.
+- Lists of whole numbers: these are tables of corners, edges and codes, which decide nothing by themselves.
+
+Whatever else has a tag, such as a table of a structure's own type, is listed as well.
 """
 import collections
 import pathlib
@@ -23,11 +31,25 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "constants.md"
-NUMBER = re.compile(r"^\s*(?:inline |static )*constexpr (?:inline |static )*(?:std::)?(?:double|float|int|long|unsigned|short|size_t|u?int\d+_t)(?: (?:long|int))* "
-                    r"(?P<name>\w+)\s*(?:=\s*(?P<assigned>[^;]*)|\{(?P<braced>[^;]*)\});(?P<rest>.*)$")
+CONSTANT = re.compile(r"^\s*(?:inline |static )*constexpr (?:inline |static )*(?P<type>[\w:]+(?:<[^;={]*>)?(?: (?:long|int))*) (?P<name>\w+)(?P<list>\[\w*\])?\s*"
+                      r"(?:=\s*(?P<assigned>[^;]*)|\{(?P<braced>[^;]*)\});(?P<rest>.*)$")
+ARITHMETIC = re.compile(r"(?:std::)?(?:double|float|int|long|unsigned|short|size_t|ptrdiff_t|u?int\d+_t|Region)(?: (?:long|int))*")
 TAG = re.compile(r"\[(?P<unit>[^;\[\]]+); (?P<range>[^;\[\]]+); (?P<source>(?P<kind>[CPMBD])(?:[ ,][^\[\]]*)?)\]")
 KINDS = {"C": "contract", "P": "paper", "M": "measured", "B": "budget", "D": "definition"}
-Constant = collections.namedtuple("Constant", "path line name value text tag")
+NOT_RECORDED = "not recorded"
+LONGEST_VALUE = 60
+Constant = collections.namedtuple("Constant", "path line name value text tag several")
+
+
+def is_number(match, value):
+    """Whether a declaration is of a number, or of a list of numbers with a decimal point in it."""
+    of_list = match["list"] or match["type"].startswith("std::array")
+    element = re.match(r"std::array<([\w:]+),", match["type"])
+    if not of_list:
+        return bool(ARITHMETIC.fullmatch(match["type"]))
+    if element and not ARITHMETIC.fullmatch(element[1]) or match["list"] and not ARITHMETIC.fullmatch(match["type"]):
+        return False
+    return bool(re.fullmatch(r"[-+\d.,eFf{}\s]*", value) and re.search(r"\d\.\d", value))
 
 
 def is_named_elsewhere(value):
@@ -83,41 +105,64 @@ def constants(folder):
         for at, line in enumerate(lines):
             if "constexpr" not in line:
                 continue
-            match = NUMBER.match(joined(lines, at))
+            match = CONSTANT.match(joined(lines, at))
             if not match:
                 continue
             value = (match["assigned"] or match["braced"] or "").strip()
-            if is_named_elsewhere(value):
-                continue
             text = comment_of(lines, at, match["rest"])
-            tag = None if declares_several(value) else TAG.search(text)
-            found.append(Constant(path.relative_to(ROOT), at + 1, match["name"], value, text, tag))
+            is_list = bool(match["list"]) or match["type"].startswith("std::array")
+            several = declares_several(value) and not is_list
+            tag = None if several else TAG.search(text)
+            if not tag and (not is_number(match, value) or is_named_elsewhere(value)):
+                continue
+            found.append(Constant(path.relative_to(ROOT), at + 1, match["name"], value, text, tag, several))
     return found
 
 
 def cell(text):
-    return text.replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*")
+    return text.replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*").replace("_", "\\_")
+
+
+def code(value):
+    value = re.sub(r"\s+", " ", value).strip()
+    if len(value) > LONGEST_VALUE:
+        value = value[:LONGEST_VALUE].rsplit(" ", 1)[0].rstrip(",") + " ..."
+    return "`" + value.replace("|", "\\|") + "`"
+
+
+def anchor(heading):
+    return re.sub(r"[^\w\- ]", "", heading).replace(" ", "-").lower()
 
 
 def page(found):
-    kinds = collections.Counter(constant.tag["kind"] for constant in found if constant.tag)
+    kinds = collections.Counter(constant.tag["kind"] for constant in found)
+    unrecorded = sum(NOT_RECORDED in constant.tag["source"] for constant in found)
     lines = ["# Named numbers", "",
-             "This page is written by `scripts/list_constants.py --write` from the comments beside the numbers.",
-             f"It lists {len(found)} numbers: " + ", ".join(f"{kinds[kind]} {word} ({kind})" for kind, word in KINDS.items()) + ".", "",
-             "- **C**: the contract says the number to users (`base/contract.h`, documents).",
-             "- **P**: a paper gives it.",
-             "- **M**: somebody measured it; the month and the data set follow.",
-             "- **B**: it is a budget. It bounds time or memory and shapes no model that stays within it.",
-             "- **D**: it is a definition: mathematics, rounding of doubles, or a number of a file format.", ""]
+             "This page lists the numbers that decide what the program does: what each is, where it is from, and what it decides. "
+             "`scripts/list_constants.py --write` makes it of the comments beside the numbers, so change those. A test compares both.", "",
+             "| source | meaning | numbers |", "|---|---|---:|",
+             f"| C | The contract: documents and `base/contract.h` say the number to users. | {kinds['C']} |",
+             f"| P | A paper gives it. | {kinds['P']} |",
+             "| M | It was measured: the rule was tried with this number on the data that is named, in the month that is named. "
+             f"[Experiments](experiments/README.md) have the figures. Of {unrecorded} of them the set is not recorded. | {kinds['M']} |",
+             f"| B | It is a budget: it bounds time or memory, and shapes no model that stays within it. | {kinds['B']} |",
+             f"| D | It is a definition: mathematics, rounding, a number of a file format, or one made of another number. | {kinds['D']} |", "",
+             "Options that a caller chooses are not here: `anatomesh COMMAND --help-all` and the headers state their defaults. "
+             "The [stages](overview.md) say what the numbers are used for.", "", "## Rooms", "",
+             "| room | numbers | C | P | M | B | D |", "|---|---:|---:|---:|---:|---:|---:|"]
     rooms = collections.defaultdict(list)
     for constant in found:
         rooms[str(constant.path.parent)].append(constant)
     for room, items in rooms.items():
-        lines += [f"## {room}", "", "| number | value | unit | range | source | what it is |", "|---|---|---|---|---|---|"]
+        count = collections.Counter(item.tag["kind"] for item in items)
+        lines.append(f"| [{room}](#{anchor(room)}) | {len(items)} | " + " | ".join(str(count[kind] or "") for kind in KINDS) + " |")
+    lines.append("")
+    for room, items in rooms.items():
+        lines += [f"## {room}", "", "| number | value | unit | range | source | what it decides |", "|---|---|---|---|---|---|"]
         for item in items:
-            what = TAG.sub("", item.text).strip()
-            what = re.split(r"(?<=[a-z0-9)][.:;]) ", what)[0].rstrip(":;")
-            lines.append(f"| `{item.name}` ({item.path.name}) | `{item.value}` | {cell(item.tag['unit'])} | {cell(item.tag['range'])} | {cell(item.tag['source'])} | {cell(what)} |")
+            what = TAG.sub("", item.text).strip().rstrip(",")
+            lines.append(f"| [{item.name}](../{item.path}) | {code(item.value)} | {cell(item.tag['unit'])} | {cell(item.tag['range'])} | "
+                         f"{cell(item.tag['source'])} | {cell(what)} |")
         lines.append("")
     return "\n".join(lines)
 
@@ -126,9 +171,8 @@ def main():
     found = [item for folder in ("src", "apps") for item in constants(ROOT / folder)]
     untagged = [item for item in found if not item.tag]
     for item in untagged:
-        several = declares_several(item.value)
-        print(f"{item.path}:{item.line}: {item.name} " + ("stands in one declaration with others" if several else "has no tag [unit; range; SOURCE]"))
-    unrecorded = sum("not recorded" in item.tag["source"] for item in found if item.tag)
+        print(f"{item.path}:{item.line}: {item.name} " + ("stands in one declaration with others" if item.several else "has no tag [unit; range; SOURCE]"))
+    unrecorded = sum(NOT_RECORDED in item.tag["source"] for item in found if item.tag)
     print(f"{len(untagged)} of {len(found)} named numbers have no tag; of {unrecorded} the data set is not recorded")
     if untagged:
         print("the head of scripts/list_constants.py explains tags")

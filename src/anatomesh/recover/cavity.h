@@ -92,7 +92,7 @@ class Cavity {
     std::uint32_t now_ = 0;
 };
 
-// Of new cells: no region yet.
+// New cells have it until they get their own. [region; 2^16 - 3; D]
 inline constexpr Region undecided_region = 0xFFFD;
 
 // Gives the mesh back; returns its cells that have no region yet, rising.

@@ -128,6 +128,7 @@ std::string DicomWriter::file(const std::string& sop_class, const std::string& s
 }
 
 void append_decimal_string(std::string& text, double value) {
+    // A decimal string has no more characters. [bytes; 16; D DICOM PS3.5, section 6.2]
     constexpr std::ptrdiff_t longest = 16;
     if (value == 0) value = 0;  // no minus sign
     char buffer[64];

@@ -7,6 +7,7 @@ namespace anatomesh {
 
 namespace {
 
+// The white of sRGB and CIELAB here has these tristimulus values. [1; > 0; D CIE illuminant D65]
 constexpr double white[3] = {0.95047, 1.0, 1.08883};
 // Darker colours follow a line in place of the cube root. [1; 0 to 1; D CIE 15, CIELAB]
 constexpr double epsilon = 216.0 / 24389;

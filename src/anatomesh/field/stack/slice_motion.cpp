@@ -25,7 +25,9 @@ constexpr double lattice_step = 0.5;
 // A part this much further away than the nearest boundary counts as it: the two are one within the lattice.
 // [1; >= 1; D]
 constexpr double nearest_share = 1.1;
-constexpr std::array<double, 3> averaging{4.4, 2.8, 1.8};  // radius of the neighbourhood, round by round
+// Matches are averaged within these radii, round by round: from coarse to fine, so that a few wrong ones give
+// way to their neighbourhood. [gaps; > 0, falling; M 2026-11 skull, slices left out]
+constexpr std::array<double, 3> averaging{4.4, 2.8, 1.8};
 // A radius of averaging is four steps of a lattice at most, so it covers no more columns. [columns; 12; D]
 constexpr std::uint32_t most_columns = 12;
 

@@ -17,6 +17,7 @@ namespace {
 // The cells are summed in so many pieces, each on its own, so that sums are the same at any number of
 // threads. [pieces; > 0; B]
 constexpr std::size_t pieces = 2;
+// It stands for no region so far. [region; 2^16 - 1; D]
 constexpr Region unmet = 0xFFFF;
 
 struct Gathered {                               // of a vertex
