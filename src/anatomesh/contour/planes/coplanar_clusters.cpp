@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "anatomesh/contour/planes/plane_fit.h"
 #include "anatomesh/geom/box.h"
 
 namespace anatomesh {

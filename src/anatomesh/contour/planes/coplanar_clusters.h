@@ -10,9 +10,6 @@
 
 namespace anatomesh {
 
-// Times the noise, what points may be off a plane fitted to them.
-inline constexpr double fitted_share = 1.25;
-
 // Contours that lie on one plane as well as each of them lies on its own.
 struct CoplanarCluster {
     std::vector<std::uint32_t> contours;
