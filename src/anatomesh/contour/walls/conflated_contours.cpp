@@ -116,11 +116,11 @@ ConflatedContours::Edge ConflatedContours::drawn_segment(const ConflatedContour&
     return {loop.origin[a], loop.origin[b]};
 }
 
-ConflatedContours::PlacedSegments ConflatedContours::segments_of_all() const {
+PlacedSegments placed_segments(const std::vector<ConflatedContour>& loops, const std::vector<Vec2>& at) {
     PlacedSegments all;
-    for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-        for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
-            all.segments.push_back({at_[loops_[l].vertices[n]], at_[loops_[l].next_of(n)]});
+    for (std::uint32_t l = 0; l < loops.size(); ++l) {
+        for (std::uint32_t n = 0; n < loops[l].vertices.size(); ++n) {
+            all.segments.push_back({at[loops[l].vertices[n]], at[loops[l].next_of(n)]});
             all.places.push_back({l, n});
         }
     }

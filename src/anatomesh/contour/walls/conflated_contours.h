@@ -13,6 +13,7 @@
 
 namespace anatomesh {
 
+// Marks what is no vertex. [vertex; largest number; D]
 constexpr std::uint32_t no_vertex = 0xFFFFFFFFu;
 
 // A contour as vertices of its slice: as drawn, and with those taken from others in between. A drawn vertex
@@ -69,13 +70,6 @@ class ConflatedContours {
 
     static bool has(const Edge& e, std::uint32_t v) { return e[0] == v || e[1] == v; }
 
-    // Every segment of every loop, in their order, and where it is.
-    struct PlacedSegments {
-        std::vector<Segment2> segments;
-        std::vector<Place> places;
-    };
-    PlacedSegments segments_of_all() const;
-
     // Which structure has which vertex: (structure, vertex), sorted.
     std::vector<Edge> owned() const;
 
@@ -113,6 +107,14 @@ class ConflatedContours {
     std::vector<Vec2> polygon(const std::vector<std::uint32_t>& loop) const;
     bool touch(Edge p, Edge q) const;
 };
+
+// Every segment of every loop, in their order, and where it is.
+struct PlacedSegments {
+    std::vector<Segment2> segments;
+    std::vector<ConflatedContours::Place> places;
+};
+// `at`: the vertices' places in the slice's plane. Complexity: O(segments).
+PlacedSegments placed_segments(const std::vector<ConflatedContour>& loops, const std::vector<Vec2>& at);
 
 // The set with what `lead(slice number)` makes of the contours of each slice, if it changes any.
 template <class Lead>

@@ -280,7 +280,7 @@ class SliceLines : public ConflatedContours {
     // point in the middle between them, so that both can be edges of one mesh. Crossings beside their ends stay.
     // Returns whether there were any.
     bool meet_at_crossings() {
-        PlacedSegments placed = segments_of_all();
+        PlacedSegments placed = placed_segments(loops_, at_);
         const std::vector<Place>& at = placed.places;
         std::vector<Crossing> found;
         SegmentIndex(std::move(placed.segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
