@@ -49,21 +49,21 @@ ReconcileState with_common_points(ReconcileState state, const ReconcileState& be
 ReconcileState with_fans_regularized(ReconcileState state, const FanOptions& options,
                                      const ReconcileScope& scope, RunContext& context) {
     ReconcileState before = state;
-    state.stats.poles = regularize_fans(state.set, state.original, options);
-    if (state.stats.poles.poles == 0) return state;
+    state.stats.fans = regularize_fans(state.set, state.original, options);
+    if (state.stats.fans.fans == 0) return state;
     summarize_movements(state.set, state.original, state.stats);
     compare_slices(state, scope, context);
     const bool less = total_difference_mm(state.comparisons) > total_difference_mm(before.comparisons);
     return less ? before : state;
 }
 
-ReconcileState with_flanks_regularized(ReconcileState state, const AlongAxisOptions& options,
-                                       const ReconcileScope& scope, RunContext& context) {
+ReconcileState with_contours_along_axis_regularized(ReconcileState state, const AlongAxisOptions& options,
+                                                    const ReconcileScope& scope, RunContext& context) {
     const ReconcileState before = state;
     AlongAxisBounds most_mm;
     for (const SliceMovement& movement : state.stats.movements) most_mm.push_back(movement.max_mm);
-    state.stats.flanks = regularize_along_axis(state.set, state.original, most_mm, options);
-    if (state.stats.flanks.points == 0) return state;
+    state.stats.along_axis = regularize_along_axis(state.set, state.original, most_mm, options);
+    if (state.stats.along_axis.points == 0) return state;
     compare_slices(state, scope, context);
     return with_common_points(std::move(state), before, total_difference_mm(before.comparisons), scope,
                               context);
@@ -114,7 +114,7 @@ Result<ReconcileState> regularize_at_axes(ReconcileState state, const ReconcileS
                              scope.options.max_disagreement_mm};
     if (state.stats.max_movement_mm < least_moved_share * options.radius_mm) return state;
     state = with_fans_regularized(std::move(state), options, scope, context);
-    return with_flanks_regularized(
+    return with_contours_along_axis_regularized(
         std::move(state), {options.radius_mm, options.least_degrees, options.most_moved_mm}, scope, context);
 }
 

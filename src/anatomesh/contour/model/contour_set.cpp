@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomesh/contour/model/repeated_planes.h"
+#include "anatomesh/contour/model/slice_groups.h"
 
 namespace anatomesh {
 
@@ -52,7 +52,7 @@ double median_spacing(const ContourSet& set) {
         const double gap = positions[i] - positions[i - 1];
         if (gap > same) gaps.push_back(gap);
     }
-    gaps = usual_gaps(gaps);
+    gaps = gaps_between_groups(gaps);
     if (gaps.empty()) return 0;
     const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
     std::nth_element(gaps.begin(), middle, gaps.end());

@@ -32,9 +32,9 @@ CoplanarCluster joined(const CoplanarCluster& large, const CoplanarCluster& smal
     return both;
 }
 
-class SheetFinder {
+class ClusterFinder {
   public:
-    SheetFinder(std::span<const ContourToPlace> contours, double tolerance, double rounding)
+    ClusterFinder(std::span<const ContourToPlace> contours, double tolerance, double rounding)
         : contours_(contours), tolerance_(tolerance), rounding_(rounding) {
         Box3 box;
         for (const ContourToPlace& contour : contours) {
@@ -50,16 +50,16 @@ class SheetFinder {
         }
         std::stable_sort(singles.begin(), singles.end(),
                          [](const CoplanarCluster& p, const CoplanarCluster& q) { return p.area > q.area; });
-        std::vector<CoplanarCluster> sheets;
+        std::vector<CoplanarCluster> clusters;
         for (CoplanarCluster& one : singles) {
-            const std::size_t host = one.noise <= tolerance_ ? host_of(one, sheets) : sheets.size();
-            if (host < sheets.size()) {
-                sheets[host] = joined(sheets[host], one);
+            const std::size_t host = one.noise <= tolerance_ ? host_of(one, clusters) : clusters.size();
+            if (host < clusters.size()) {
+                clusters[host] = joined(clusters[host], one);
             } else {
-                sheets.push_back(std::move(one));
+                clusters.push_back(std::move(one));
             }
         }
-        return sheets;
+        return clusters;
     }
 
   private:
@@ -76,28 +76,28 @@ class SheetFinder {
         return one;
     }
 
-    double deviation(const CoplanarCluster& sheet) const {
+    double deviation(const CoplanarCluster& cluster) const {
         double largest = 0;
-        for (const std::uint32_t c : sheet.contours) {
+        for (const std::uint32_t c : cluster.contours) {
             for (const Vec3& p : contours_[c].points)
-                largest = std::max(largest, std::abs(dot(p - sheet.mean, sheet.normal)));
+                largest = std::max(largest, std::abs(dot(p - cluster.mean, cluster.normal)));
         }
         return largest;
     }
 
-    // The sheet whose plane fits best; their number if none does.
-    std::size_t host_of(const CoplanarCluster& one, const std::vector<CoplanarCluster>& sheets) const {
-        constexpr double furthest = 10;  // radii of a sheet beside it
-        std::size_t best = sheets.size();
+    // The cluster whose plane fits best; their number if none does.
+    std::size_t host_of(const CoplanarCluster& one, const std::vector<CoplanarCluster>& clusters) const {
+        constexpr double furthest = 10;  // radii of a cluster beside it
+        std::size_t best = clusters.size();
         double least = 1;
-        for (std::size_t s = 0; s < sheets.size(); ++s) {
-            const CoplanarCluster& sheet = sheets[s];
-            if (sheet.noise > tolerance_) continue;
-            const double allowed = fitted_share * std::max({one.noise, sheet.noise, rounding_}) + floor_;
-            const double reach = 1 + std::min(sheet.leverage(one.mean), furthest);
-            const double off = std::abs(dot(one.mean - sheet.mean, sheet.normal)) / (allowed * reach);
+        for (std::size_t s = 0; s < clusters.size(); ++s) {
+            const CoplanarCluster& cluster = clusters[s];
+            if (cluster.noise > tolerance_) continue;
+            const double allowed = fitted_share * std::max({one.noise, cluster.noise, rounding_}) + floor_;
+            const double reach = 1 + std::min(cluster.leverage(one.mean), furthest);
+            const double off = std::abs(dot(one.mean - cluster.mean, cluster.normal)) / (allowed * reach);
             if (off >= least) continue;
-            const double worst = std::max(off, deviation(joined(sheet, one)) / allowed);
+            const double worst = std::max(off, deviation(joined(cluster, one)) / allowed);
             if (worst < least) least = worst, best = s;
         }
         return best;
@@ -111,7 +111,7 @@ class SheetFinder {
 
 std::vector<CoplanarCluster> find_coplanar_clusters(std::span<const ContourToPlace> contours,
                                                     double tolerance, double rounding) {
-    return SheetFinder(contours, tolerance, rounding).run();
+    return ClusterFinder(contours, tolerance, rounding).run();
 }
 
 }  // namespace anatomesh

@@ -20,14 +20,14 @@ struct CoplanarCluster {
     Vec3 mean, normal;
     Scatter scatter;
 
-    // How much further off the plane may be at p than at the sheet's own points, for what is known of them.
+    // How much further off the plane may be at p than at the cluster's own points, for what is known of them.
     double leverage(Vec3 p) const;
 };
 
-// The sheets of the contours without a declared plane: the largest first, since a small one alone says little
-// of its plane; each goes to the sheet whose plane fits it best, if one does. Points of a contour that lie
+// The clusters of the contours without a declared plane: the largest first, since a small one alone says little
+// of its plane; each goes to the cluster whose plane fits it best, if one does. Points of a contour that lie
 // further than `tolerance` off its plane do not show what plane it is. `rounding`: of the points, mm.
-// Complexity: O(contours x sheets x points of a sheet) at most.
+// Complexity: O(contours x clusters x points of a cluster) at most.
 std::vector<CoplanarCluster> find_coplanar_clusters(std::span<const ContourToPlace> contours,
                                                     double tolerance, double rounding);
 

@@ -15,7 +15,7 @@ constexpr double near_share_of_gap = 0.4, noise_reach = 2, clear_share = 0.5, re
 constexpr int scan_lines = 128;
 
 using Contours = std::vector<std::uint32_t>;
-using Run = std::pair<std::size_t, std::size_t>;  // of sheets: [first, last)
+using Run = std::pair<std::size_t, std::size_t>;  // of clusters: [first, last)
 
 // What speaks for a run's being one slice or several.
 struct Reading {
@@ -28,7 +28,8 @@ struct Reading {
 
 class StackReader {
   public:
-    StackReader(std::span<const SheetAt> stack, std::span<const ContourToPlace> contours, Vec3 normal)
+    StackReader(std::span<const PositionedCluster> stack, std::span<const ContourToPlace> contours,
+                Vec3 normal)
         : stack_(stack), contours_(contours), frame_(make_plane({}, normal)) {}
 
     // As many runs as there are places; the longest that is near enough at each.
@@ -48,7 +49,7 @@ class StackReader {
         return runs;
     }
 
-    // `before` and `after` the run: the sheets of the slices beside it.
+    // `before` and `after` the run: the clusters of the slices beside it.
     Reading read(Run before, Run run, Run after) const {
         Reading reading;
         double noise = 0;
@@ -93,10 +94,10 @@ class StackReader {
         return structures;
     }
 
-    // The structure's contours on these sheets, as one slice; none where it has none.
-    void add(Run sheets, std::uint32_t structure, std::vector<Contours>& slices) const {
+    // The structure's contours on these clusters, as one slice; none where it has none.
+    void add(Run clusters, std::uint32_t structure, std::vector<Contours>& slices) const {
         Contours slice;
-        for (std::size_t s = sheets.first; s < sheets.second; ++s) {
+        for (std::size_t s = clusters.first; s < clusters.second; ++s) {
             for (const std::uint32_t c : stack_[s].contours) {
                 if (contours_[c].structure == structure) slice.push_back(c);
             }
@@ -180,15 +181,15 @@ class StackReader {
         return slices.size() < 2 ? 0 : sum / static_cast<double>(slices.size() - 1);
     }
 
-    std::span<const SheetAt> stack_;
+    std::span<const PositionedCluster> stack_;
     std::span<const ContourToPlace> contours_;
     Plane frame_;
 };
 
 }  // namespace
 
-std::vector<Run> runs_of_one_slice(std::span<const SheetAt> stack, std::span<const ContourToPlace> contours,
-                                   Vec3 normal, double most_mm) {
+std::vector<Run> runs_of_one_slice(std::span<const PositionedCluster> stack,
+                                   std::span<const ContourToPlace> contours, Vec3 normal, double most_mm) {
     const StackReader reader(stack, contours, normal);
     const std::vector<Run> near = reader.near_runs(most_mm);
     std::vector<Reading> readings;

@@ -12,14 +12,14 @@
 namespace anatomesh {
 
 // Contours known to lie on one plane, at `offset` along the normal of a stack.
-struct SheetAt {
+struct PositionedCluster {
     double offset = 0;
     double noise = 0;          // root mean square distance of their points from their plane
     bool is_declared = false;  // the file says which plane it is: never joined
     std::vector<std::uint32_t> contours;
 };
 
-// The runs [first, last) of `stack`, sheets in the order of their offsets, that are one slice. Such a run
+// The runs [first, last) of `stack`, clusters in the order of their offsets, that are one slice. Such a run
 // spans no more than `most_mm` and 2 / 5 of the gap on either side: what is near is told by the stack's own
 // spacing. One of two things must show it to be one slice:
 // - its planes differ by no more than twice the noise of their points, and read as one slice its structures
@@ -32,7 +32,7 @@ struct SheetAt {
 // even-odd rule, areas by scan lines. Contours on two of the planes that differ by less than a tenth of their
 // area are two slices of one thing. Complexity: O(stack), and for each run that is near enough O(its points
 // and those beside it, times the scan lines they cross), its contours of one structure in pairs.
-std::vector<std::pair<std::size_t, std::size_t>> runs_of_one_slice(std::span<const SheetAt> stack,
+std::vector<std::pair<std::size_t, std::size_t>> runs_of_one_slice(std::span<const PositionedCluster> stack,
                                                                    std::span<const ContourToPlace> contours,
                                                                    Vec3 normal, double most_mm);
 

@@ -72,7 +72,7 @@ MergedContours merge_clusters(std::span<const ContourToPlace> contours,
 
 // A stack's merged contours as clusters at their heights.
 struct ClusteredStack {
-    std::vector<SheetAt> clusters;
+    std::vector<PositionedCluster> clusters;
     std::vector<std::size_t> first;  // of each cluster in the stack, and the stack's end
 };
 
@@ -84,7 +84,7 @@ ClusteredStack clustered(const PlaneStack& stack, const MergedContours& merged, 
             result.first.push_back(i);
             result.clusters.push_back({here.offset, 0, false, {}});
         }
-        SheetAt& cluster = result.clusters.back();
+        PositionedCluster& cluster = result.clusters.back();
         const ContourToPlace& contour = merged.contours[here.contour];
         cluster.noise = std::max(cluster.noise, noise_off_own_plane(contour.points));
         cluster.is_declared |= contour.plane >= 0;

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/contour/model/repeated_planes.h"
+#include "anatomesh/contour/model/slice_groups.h"
 #include "anatomesh/field/model/field_queries.h"
 #include "anatomesh/field/model/volume.h"
 #include "anatomesh/field/slice/distance_map.h"
@@ -603,7 +603,7 @@ double median_gap(const std::vector<SliceInterval>& intervals) {
     std::vector<double> gaps;
     for (std::size_t i = 1; i < intervals.size(); ++i)
         gaps.push_back(intervals[i].low - intervals[i - 1].high);
-    gaps = usual_gaps(gaps);
+    gaps = gaps_between_groups(gaps);
     if (gaps.empty()) return 0;
     std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
     return gaps[gaps.size() / 2];

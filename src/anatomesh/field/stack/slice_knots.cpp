@@ -7,7 +7,7 @@
 #include <optional>
 #include <tuple>
 
-#include "anatomesh/contour/model/repeated_planes.h"
+#include "anatomesh/contour/model/slice_groups.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/coverage/covering_slices.h"
 
@@ -90,16 +90,16 @@ class GapClassification {
     // `spacing`: where these tell none.
     GapClassification(const std::vector<double>& around, std::size_t first, std::size_t count, double spacing)
         : spacing_(spacing) {
-        const RegularGaps regular = regular_gaps(around);
+        const SliceGroups groups = find_slice_groups(around);
         for (std::size_t i = 0; i < around.size(); ++i) {
             if (i == first) stack_before_ = stack_distances_.size();
-            if (!regular.within[i]) stack_distances_.push_back(regular.distance[i]);
+            if (!groups.within[i]) stack_distances_.push_back(groups.distance[i]);
         }
         for (std::size_t i = first; i < first + count; ++i) {
             place_.push_back(usual_.size());
             all_.push_back(around[i]);
-            distances_.push_back(regular.distance[i]);
-            counts_.push_back(!regular.within[i]);
+            distances_.push_back(groups.distance[i]);
+            counts_.push_back(!groups.within[i]);
             if (!counts_.back()) continue;
             usual_.push_back(all_.back());
             usual_distances_.push_back(distances_.back());

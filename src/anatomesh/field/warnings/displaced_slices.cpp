@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "anatomesh/contour/model/message_text.h"
-#include "anatomesh/contour/planes/out_of_line.h"
+#include "anatomesh/contour/planes/displaced_slices.h"
 
 namespace anatomesh {
 
@@ -18,11 +18,11 @@ constexpr std::size_t most_named = 5;
 
 void warn_about_displaced_slices(const ContourSet& set, RunContext& context) {
     if (!set.drawn) return;
-    const std::vector<OutOfLine> out = slices_out_of_line(set);
+    const std::vector<DisplacedSlice> out = find_displaced_slices(set);
     if (out.empty()) return;
-    const auto worst = std::max_element(out.begin(), out.end(), [](const OutOfLine& a, const OutOfLine& b) {
-        return a.distance_mm < b.distance_mm;
-    });
+    const auto worst = std::max_element(
+        out.begin(), out.end(),
+        [](const DisplacedSlice& a, const DisplacedSlice& b) { return a.distance_mm < b.distance_mm; });
     std::string names;
     for (std::size_t n = 0; n < std::min(out.size(), most_named); ++n)
         names += (n > 0 ? ", " : "") + set.slices[out[n].slice].name;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/planes/row_of_slices.h"
+#include "anatomesh/contour/planes/common_normal.h"
 
 namespace anatomesh {
 
@@ -50,7 +50,7 @@ void warn(const ContourSet& set, const std::vector<std::pair<double, std::uint32
 }
 
 bool warn_about_row(const ContourSet& set, RunContext& context) {
-    const std::optional<Vec3> mean = direction_of_row(set);
+    const std::optional<Vec3> mean = common_normal(set);
     if (!mean) return false;
     const Box3 box = set.box();
     const Vec3 middle = 0.5 * (box.low + box.high);

@@ -71,10 +71,10 @@ struct ReconcileStats : TotalDisagreement {
     double mean_movement_mm = 0, max_movement_mm = 0;
     std::uint64_t shared_points = 0;         // points on common lines that contours of both slices now have
     FoldStats folds;                         // that the movement made, cut off
-    FanStats poles;                          // where contours rose and fell from plane to plane
+    FanStats fans;                           // where contours rose and fell from plane to plane
     std::vector<TakenOver> taken_over;       // by slice and structure
     std::vector<ResolvedInterval> resolved;  // pieces of common lines, in order
-    AlongAxisStats flanks;                   // the same beside lines, along them
+    AlongAxisStats along_axis;               // the same beside lines, along them
     ClearanceStats clearance;                // contours that all but touched
     ConflationStats slivers;                 // between structures, closed where the movement left them
     ConflationStats shared_lines;            // of structures that came to lie on each other

@@ -40,7 +40,7 @@ class ReconcileWarnings {
         warn_of_disagreement();
         warn_of_pairs();
         warn_of_folds();
-        warn_of_poles();
+        warn_of_regularized_contours();
         warn_of_parting();
         warn_of_taken_over();
         warn_of_resolved();
@@ -119,17 +119,17 @@ class ReconcileWarnings {
                        "they were cut off, with " + std::to_string(folds.vertices) + " drawn vertices"});
     }
 
-    void warn_of_poles() {
-        const FanStats& poles = stats_.poles;
-        const AlongAxisStats& flanks = stats_.flanks;
-        if (poles.poles + flanks.points == 0) return;
-        const double highest = std::max(poles.highest_mm, flanks.farthest_mm);
+    void warn_of_regularized_contours() {
+        const FanStats& fans = stats_.fans;
+        const AlongAxisStats& along_axis = stats_.along_axis;
+        if (fans.fans + along_axis.points == 0) return;
+        const double highest = std::max(fans.highest_mm, along_axis.farthest_mm);
         context_.warn({"W-RCN-009",
                        "contours differ from plane to plane near a line where four or more planes meet, or "
                        "run steeply along it, at " +
-                           std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places") +
-                           " on it and " + std::to_string(flanks.points) +
-                           (flanks.points == 1 ? " point" : " points") + " beside it",
+                           std::to_string(fans.fans) + (fans.fans == 1 ? " place" : " places") +
+                           " on it and " + std::to_string(along_axis.points) +
+                           (along_axis.points == 1 ? " point" : " points") + " beside it",
                        {set_.source, "", "", "", brief(highest) + " mm"},
                        "they were turned and moved there, by " + brief(highest) + " mm at most"});
     }

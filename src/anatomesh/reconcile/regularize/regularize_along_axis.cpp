@@ -178,9 +178,9 @@ class AxisRegularization {
         const AlongAxisPoint from = half.points[low], to = half.points[high];
         const Vec2 a{from.along, from.from_line}, b{to.along, to.from_line};
         const double radius = options_.radius_mm;
-        const bool is_flank = std::abs(b.y - a.y) <= steepest_along_line * std::abs(b.x - a.x) &&
-                              std::min(a.y, b.y) < radius && std::min(a.y, b.y) > -beside_plane_mm;
-        if (!is_flank) {
+        const bool is_along_axis = std::abs(b.y - a.y) <= steepest_along_line * std::abs(b.x - a.x) &&
+                                   std::min(a.y, b.y) < radius && std::min(a.y, b.y) > -beside_plane_mm;
+        if (!is_along_axis) {
             half.segments.push_back({low, high});
             return;
         }
@@ -245,7 +245,7 @@ class AxisRegularization {
         }
     }
 
-    // Returns whether the angle at a flank, between the ways to those beside it, is too small. The flank
+    // Returns whether the angle at a stretch, between the ways to those beside it, is too small. The stretch
     // runs on by `way` (along, from the line).
     bool is_sharp(double from_line, Vec2 way, double before, double back, double after, double on) const {
         const Vec3 edge = normalized({way.x, way.y, 0});

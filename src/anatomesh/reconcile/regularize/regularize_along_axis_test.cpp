@@ -96,7 +96,7 @@ TEST(RegularizeAlongAxis, a_slit_and_a_fin_beside_the_line_go_as_far_as_they_are
     }
 }
 
-// On it, or over it by rounding: it is a flank as any other.
+// On it, or over it by rounding: it is a stretch as any other.
 TEST(RegularizeAlongAxis, a_fin_that_begins_on_the_line_goes_too) {
     const int half = 3;
     const double angle = std::numbers::pi * half / planes;

@@ -23,21 +23,21 @@ namespace {
 // A direction with a smaller share across the line runs along it.
 // [1, sine; 0 to 1; M 2026-11 69 random sets about an axis]
 constexpr double least_across = 0.1;
-// With a smaller share across the line it is not known in which half plane a leg lies.
+// With a smaller share across the line it is not known in which half plane a ray lies.
 // [1, sine; 0 to 1; M 2026-11 thin shell by 15 planes]
 constexpr double no_half_plane = 0.01;
-// A leg is turned up to this share of the way to the next point that must stay.
+// A ray is turned up to this share of the way to the next point that must stay.
 // [1; 0 to 0.5; M 2026-11 69 random sets about an axis]
 constexpr double share_of_way = 1.0 / 3;
 // A smaller share of the radius asked for leaves no room for a vertex. [1; 0 to 1; M 2026-11, set not
 // recorded]
 constexpr double least_radius_share = 0.02;
-// A leg with room for a smaller share of the radius is no bound to the others.
+// A ray with room for a smaller share of the radius is no bound to the others.
 // [1; 0 to 1; M 2026-11 69 random sets about an axis]
-constexpr double short_leg_share = 0.5;
-// A vertex up to so many radii away is the leg's end. [radii; >= 1; M 2026-11 69 random sets about an axis]
+constexpr double short_ray_share = 0.5;
+// A vertex up to so many radii away is the ray's end. [radii; >= 1; M 2026-11 69 random sets about an axis]
 constexpr double vertex_near = 1.3;
-// A leg that would turn by less stays as it is. [degrees; >= 0; M 2026-11 69 random sets about an axis]
+// A ray that would turn by less stays as it is. [degrees; >= 0; M 2026-11 69 random sets about an axis]
 constexpr double least_turn_degrees = 3;
 
 double degrees(double radians) {
@@ -54,7 +54,7 @@ struct InsertedPoint {
     Vec3 at, was;
 };
 
-struct Leg {
+struct Ray {
     std::uint32_t slice = 0, contour = 0, pole = 0;  // pole: point of the set
     bool forward = true;
     std::vector<std::uint32_t> inside;  // points of the set up to the radius, going out
@@ -76,8 +76,8 @@ class FanRegularization {
         moved_ = set_.points;
         put_in_.resize(set_.points.size());
         for (const auto& visits : places_) regularize(visits);
-        if (stats_.poles > 0) lay_out();
-        if (stats_.highest_mm == 0) stats_.poles = 0;
+        if (stats_.fans > 0) lay_out();
+        if (stats_.highest_mm == 0) stats_.fans = 0;
         return stats_;
     }
 
@@ -130,32 +130,32 @@ class FanRegularization {
         for (std::size_t first = 0; first < visits.size();) {
             std::size_t last = first;
             while (last < visits.size() && visits[last].structure == visits[first].structure) ++last;
-            std::optional<std::vector<Leg>> fan = fan_of(visits.subspan(first, last - first), *line, radius);
+            std::optional<std::vector<Ray>> fan = fan_of(visits.subspan(first, last - first), *line, radius);
             if (fan && turn(*fan, *line)) {
-                for (const Leg& leg : *fan) {
-                    if (degrees(std::abs(leg.latitude - leg.drawn_latitude)) >= least_turn_degrees)
-                        ways_.emplace(key_of(leg), direction(leg, *line));
+                for (const Ray& ray : *fan) {
+                    if (degrees(std::abs(ray.latitude - ray.drawn_latitude)) >= least_turn_degrees)
+                        ways_.emplace(key_of(ray), direction(ray, *line));
                 }
             }
             first = last;
         }
-        // A leg moves for every structure that has it, or for none.
+        // A ray moves for every structure that has it, or for none.
         for (const bool moves : {false, true}) {
             for (const Visit& visit : visits) {
                 for (const bool forward : {false, true}) {
                     if (room_of(visit, forward) < radius) continue;
-                    const Leg leg = leg_of(visit, forward, radius);
-                    const auto found = ways_.find(key_of(leg));
+                    const Ray ray = ray_of(visit, forward, radius);
+                    const auto found = ways_.find(key_of(ray));
                     if (found == ways_.end()) continue;
                     if (moves) {
-                        move(leg, found->second);
-                    } else if (goes_too_far(leg, found->second)) {
+                        move(ray, found->second);
+                    } else if (goes_too_far(ray, found->second)) {
                         ways_.erase(found);
                     }
                 }
             }
         }
-        stats_.poles += ways_.size() > before;
+        stats_.fans += ways_.size() > before;
     }
 
     std::uint32_t next(const Contour& contour, std::uint32_t point, bool forward) const {
@@ -177,7 +177,7 @@ class FanRegularization {
         return share_of_way * way_to_next(visit, forward);
     }
 
-    // Returns a radius for which half of the legs or more have room, or the least room where fewer have
+    // Returns a radius for which half of the rays or more have room, or the least room where fewer have
     // enough.
     double radius_at(std::span<const Visit> visits) const {
         double least = options_.radius_mm, radius = options_.radius_mm;
@@ -186,7 +186,7 @@ class FanRegularization {
             for (const bool forward : {false, true}) {
                 const double room = room_of(visit, forward);
                 least = std::min(least, room);
-                if (room < short_leg_share * options_.radius_mm) continue;
+                if (room < short_ray_share * options_.radius_mm) continue;
                 radius = std::min(radius, room);
                 ++with_room;
             }
@@ -194,58 +194,58 @@ class FanRegularization {
         return with_room >= visits.size() ? radius : least;
     }
 
-    // Returns one leg in every half plane, by azimuth, or nothing where the contours are not so.
-    std::optional<std::vector<Leg>> fan_of(std::span<const Visit> visits, Vec3 line, double radius) const {
-        std::vector<Leg> fan;
+    // Returns one ray in every half plane, by azimuth, or nothing where the contours are not so.
+    std::optional<std::vector<Ray>> fan_of(std::span<const Visit> visits, Vec3 line, double radius) const {
+        std::vector<Ray> fan;
         const Vec3 across = set_.slices[visits.front().slice].plane.normal, along = cross(line, across);
         for (const Visit& visit : visits) {
             for (const bool forward : {false, true}) {
-                // A leg reaches up to a point that stays, however near, because it may turn elsewhere
+                // A ray reaches up to a point that stays, however near, because it may turn elsewhere
                 // there.
                 const double room = std::min(radius, room_of(visit, forward));
                 if (!(room > 0)) return {};
-                Leg leg = leg_of(visit, forward, room);
-                const Vec3 way = normalized(leg.end - visit.at);
+                Ray ray = ray_of(visit, forward, room);
+                const Vec3 way = normalized(ray.end - visit.at);
                 const Vec3 radial = way - dot(way, line) * line;
                 if (length(radial) < no_half_plane) return {};
-                leg.radial = cross(set_.slices[visit.slice].plane.normal, line);
-                if (dot(leg.radial, radial) < 0) leg.radial = -1 * leg.radial;
-                leg.radial = normalized(leg.radial);
-                leg.drawn_latitude = leg.latitude = std::atan2(dot(way, line), dot(way, leg.radial));
-                leg.azimuth = std::atan2(dot(leg.radial, along), dot(leg.radial, across));
-                if (const auto found = ways_.find(key_of(leg)); found != ways_.end()) {
-                    leg.latitude = std::atan2(dot(found->second, line), dot(found->second, leg.radial));
-                    leg.held = true;
+                ray.radial = cross(set_.slices[visit.slice].plane.normal, line);
+                if (dot(ray.radial, radial) < 0) ray.radial = -1 * ray.radial;
+                ray.radial = normalized(ray.radial);
+                ray.drawn_latitude = ray.latitude = std::atan2(dot(way, line), dot(way, ray.radial));
+                ray.azimuth = std::atan2(dot(ray.radial, along), dot(ray.radial, across));
+                if (const auto found = ways_.find(key_of(ray)); found != ways_.end()) {
+                    ray.latitude = std::atan2(dot(found->second, line), dot(found->second, ray.radial));
+                    ray.held = true;
                 }
-                leg.held = leg.held || room < radius;
-                fan.push_back(std::move(leg));
+                ray.held = ray.held || room < radius;
+                fan.push_back(std::move(ray));
             }
         }
         if (fan.size() < 2 * planes_at_axis) return {};
-        std::sort(fan.begin(), fan.end(), [](const Leg& p, const Leg& q) { return p.azimuth < q.azimuth; });
+        std::sort(fan.begin(), fan.end(), [](const Ray& p, const Ray& q) { return p.azimuth < q.azimuth; });
         for (std::size_t n = 0; n < fan.size(); ++n) {
-            const Leg& other = fan[(n + 1) % fan.size()];
+            const Ray& other = fan[(n + 1) % fan.size()];
             if (fan[n].slice == other.slice && dot(fan[n].radial, other.radial) > 0) return {};
         }
         return fan;
     }
 
-    Leg leg_of(const Visit& visit, bool forward, double radius) const {
-        Leg leg;
-        leg.slice = visit.slice;
-        leg.contour = visit.contour;
-        leg.pole = visit.point;
-        leg.forward = forward;
+    Ray ray_of(const Visit& visit, bool forward, double radius) const {
+        Ray ray;
+        ray.slice = visit.slice;
+        ray.contour = visit.contour;
+        ray.pole = visit.point;
+        ray.forward = forward;
         const Contour& contour = set_.contours[visit.contour];
         Vec3 from = visit.at;
         for (std::uint32_t k = next(contour, visit.point, forward);; k = next(contour, k, forward)) {
             const Vec3 at = set_.points[k];
             const double distance = length(at - visit.at);
-            if (distance < vertex_near * radius) leg.inside.push_back(k);
+            if (distance < vertex_near * radius) ray.inside.push_back(k);
             if (distance >= radius) {
-                leg.ends_on_vertex = distance < vertex_near * radius;
-                leg.end = leg.ends_on_vertex ? at : crossing(visit.at, from, at, radius);
-                return leg;
+                ray.ends_on_vertex = distance < vertex_near * radius;
+                ray.end = ray.ends_on_vertex ? at : crossing(visit.at, from, at, radius);
+                return ray;
             }
             from = at;
         }
@@ -259,13 +259,13 @@ class FanRegularization {
         return p + std::clamp(t, 0.0, 1.0) * way;
     }
 
-    static Vec3 direction(const Leg& leg, Vec3 line) {
-        return std::cos(leg.latitude) * leg.radial + std::sin(leg.latitude) * line;
+    static Vec3 direction(const Ray& ray, Vec3 line) {
+        return std::cos(ray.latitude) * ray.radial + std::sin(ray.latitude) * line;
     }
 
-    // Returns the angle at a leg between the facets to its neighbours, degrees.
-    static double angle_at(Vec3 before, Vec3 leg, Vec3 after) {
-        const Vec3 p = cross(leg, before), q = cross(leg, after);
+    // Returns the angle at a ray between the facets to its neighbours, degrees.
+    static double angle_at(Vec3 before, Vec3 ray, Vec3 after) {
+        const Vec3 p = cross(ray, before), q = cross(ray, after);
         return degrees(std::atan2(length(cross(p, q)), dot(p, q)));
     }
 
@@ -277,20 +277,20 @@ class FanRegularization {
         return false;
     }
 
-    // Turns legs that are too steep. Returns whether there was one.
-    bool turn_steep(std::vector<Leg>& fan) const {
+    // Turns rays that are too steep. Returns whether there was one.
+    bool turn_steep(std::vector<Ray>& fan) const {
         const double most = options_.steepest_degrees * std::numbers::pi / 180;
         bool turned = false;
-        for (Leg& leg : fan) {
-            if (leg.held || degrees(std::abs(leg.latitude) - most) < least_turn_degrees) continue;
-            leg.latitude = std::copysign(most, leg.latitude);
+        for (Ray& ray : fan) {
+            if (ray.held || degrees(std::abs(ray.latitude) - most) < least_turn_degrees) continue;
+            ray.latitude = std::copysign(most, ray.latitude);
             turned = true;
         }
         return turned;
     }
 
-    // Turns the legs of a fan until none is sharp. Returns whether a leg was turned.
-    bool turn(std::vector<Leg>& fan, Vec3 line) const {
+    // Turns the rays of a fan until none is sharp. Returns whether a ray was turned.
+    bool turn(std::vector<Ray>& fan, Vec3 line) const {
         const std::size_t n = fan.size();
         std::vector<Vec3> ways(n);
         bool turned = turn_steep(fan);
@@ -299,45 +299,45 @@ class FanRegularization {
             if (!is_sharp(ways, options_.least_degrees)) break;
             turned = true;
             for (std::size_t k = 0; k < n; ++k) {
-                Leg& leg = fan[k];
-                const Leg &before = fan[(k + n - 1) % n], &after = fan[(k + 1) % n];
+                Ray& ray = fan[k];
+                const Ray &before = fan[(k + n - 1) % n], &after = fan[(k + 1) % n];
                 double gap = degrees(after.azimuth - before.azimuth);
                 if (gap < 0) gap += 360;
-                if (leg.held || gap > widest_gap_degrees) continue;
+                if (ray.held || gap > widest_gap_degrees) continue;
                 Vec3 way = cross(cross(ways[(k + n - 1) % n], ways[(k + 1) % n]),
-                                 set_.slices[leg.slice].plane.normal);
-                if (dot(way, leg.radial) < 0) way = -1 * way;
-                if (dot(way, leg.radial) < least_across * length(way)) continue;
-                leg.latitude += 0.5 * (std::atan2(dot(way, line), dot(way, leg.radial)) - leg.latitude);
+                                 set_.slices[ray.slice].plane.normal);
+                if (dot(way, ray.radial) < 0) way = -1 * way;
+                if (dot(way, ray.radial) < least_across * length(way)) continue;
+                ray.latitude += 0.5 * (std::atan2(dot(way, line), dot(way, ray.radial)) - ray.latitude);
             }
         }
         return turned;
     }
 
-    // Structures that share a wall share its legs, so legs are named by nodes.
-    std::pair<std::uint32_t, std::uint32_t> key_of(const Leg& leg) const {
-        return {graph_.node_of_point[leg.pole],
-                graph_.node_of_point[next(set_.contours[leg.contour], leg.pole, leg.forward)]};
+    // Structures that share a wall share its rays, so rays are named by nodes.
+    std::pair<std::uint32_t, std::uint32_t> key_of(const Ray& ray) const {
+        return {graph_.node_of_point[ray.pole],
+                graph_.node_of_point[next(set_.contours[ray.contour], ray.pole, ray.forward)]};
     }
 
-    Vec3 turned(const Leg& leg, Vec3 at, Vec3 way) const {
-        const Vec3 pole = set_.points[leg.pole];
+    Vec3 turned(const Ray& ray, Vec3 at, Vec3 way) const {
+        const Vec3 pole = set_.points[ray.pole];
         return pole + length(at - pole) * way;
     }
 
-    bool goes_too_far(const Leg& leg, Vec3 way) const {
-        if (length(turned(leg, leg.end, way) - leg.end) > options_.most_moved_mm) return true;
-        return std::any_of(leg.inside.begin(), leg.inside.end(), [&](std::uint32_t k) {
-            return length(turned(leg, set_.points[k], way) - drawn_.at[k]) > options_.most_moved_mm;
+    bool goes_too_far(const Ray& ray, Vec3 way) const {
+        if (length(turned(ray, ray.end, way) - ray.end) > options_.most_moved_mm) return true;
+        return std::any_of(ray.inside.begin(), ray.inside.end(), [&](std::uint32_t k) {
+            return length(turned(ray, set_.points[k], way) - drawn_.at[k]) > options_.most_moved_mm;
         });
     }
 
-    void move(const Leg& leg, Vec3 way) {
-        for (const std::uint32_t k : leg.inside) moved_[k] = turned(leg, set_.points[k], way);
-        if (leg.ends_on_vertex) return;
-        const std::uint32_t last = leg.inside.empty() ? leg.pole : leg.inside.back();
-        const std::uint32_t from = leg.forward ? last : point_before(set_.contours[leg.contour], last);
-        put_in_[from].push_back({turned(leg, leg.end, way), leg.end});
+    void move(const Ray& ray, Vec3 way) {
+        for (const std::uint32_t k : ray.inside) moved_[k] = turned(ray, set_.points[k], way);
+        if (ray.ends_on_vertex) return;
+        const std::uint32_t last = ray.inside.empty() ? ray.pole : ray.inside.back();
+        const std::uint32_t from = ray.forward ? last : point_before(set_.contours[ray.contour], last);
+        put_in_[from].push_back({turned(ray, ray.end, way), ray.end});
     }
 
     void lay_out() {
@@ -407,7 +407,7 @@ class FanRegularization {
     FanStats stats_;
     std::vector<Visit> visits_;  // by place, then by structure
     std::vector<std::span<const Visit>> places_;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3> ways_;  // of legs that were turned
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3> ways_;  // of rays that were turned
     std::vector<bool> stays_;                                       // per point of the set
     std::vector<Vec3> moved_;                                       // the same
     std::vector<std::vector<InsertedPoint>> put_in_;                // after the point

@@ -22,7 +22,7 @@ constexpr double pi = std::numbers::pi;
 constexpr double radius = 2, reach = 20;
 
 // Slope of the surface at a pole in the half plane of an azimuth, radians; and its number.
-using Slope = std::function<double(double azimuth, int leg)>;
+using Slope = std::function<double(double azimuth, int ray)>;
 
 struct Fan {
     ContourSet set;
@@ -48,8 +48,8 @@ void add_ring(ContourSet& set, const Plane& plane, std::uint32_t structure, cons
     ++set.slices.back().contour_count;
 }
 
-// In every one of `planes` about the z axis a body below the surface, whose legs meet at the origin; above it
-// another one, on the slices that `above` says; on the first slice, with a `branch`, one that leaves the leg
+// In every one of `planes` about the z axis a body below the surface, whose rays meet at the origin; above it
+// another one, on the slices that `above` says; on the first slice, with a `branch`, one that leaves the ray
 // so far from the origin.
 Fan fan_of(
     int planes, const Slope& slope, const std::function<bool(int)>& above = [](int) { return false; },
@@ -82,27 +82,27 @@ double degrees(double angle) {
     return angle * 180 / pi;
 }
 
-// The smallest angle at a leg between the facets to those beside it, of structure 0, from its points next to
+// The smallest angle at a ray between the facets to those beside it, of structure 0, from its points next to
 // the origin.
 double sharpest(const ContourSet& set) {
-    std::vector<Vec3> legs;
+    std::vector<Vec3> rays;
     for (const Contour& contour : set.contours) {
         if (contour.structure != 0) continue;
         const auto points = set.points_of(contour);
         for (std::size_t k = 0; k < points.size(); ++k) {
             const Vec3 before = points[(k + points.size() - 1) % points.size()], p = points[k];
-            if (before == Vec3{}) legs.push_back(normalized(p));
-            if (p == Vec3{}) legs.push_back(normalized(before));
+            if (before == Vec3{}) rays.push_back(normalized(p));
+            if (p == Vec3{}) rays.push_back(normalized(before));
         }
     }
-    std::sort(legs.begin(), legs.end(),
+    std::sort(rays.begin(), rays.end(),
               [](Vec3 p, Vec3 q) { return std::atan2(p.y, p.x) < std::atan2(q.y, q.x); });
     double least = 180;
-    for (std::size_t k = 0; k < legs.size(); ++k) {
-        const Vec3 leg = legs[k];
-        const auto across = [&](Vec3 p) { return normalized(p - dot(p, leg) * leg); };
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+        const Vec3 ray = rays[k];
+        const auto across = [&](Vec3 p) { return normalized(p - dot(p, ray) * ray); };
         const double cosine =
-            dot(across(legs[(k + legs.size() - 1) % legs.size()]), across(legs[(k + 1) % legs.size()]));
+            dot(across(rays[(k + rays.size() - 1) % rays.size()]), across(rays[(k + 1) % rays.size()]));
         least = std::min(least, degrees(std::acos(std::clamp(cosine, -1.0, 1.0))));
     }
     return least;
@@ -125,13 +125,13 @@ bool has(const ContourSet& set, std::uint32_t slice, std::uint32_t structure, Ve
 
 // A slope that rises and falls by turns on one that is plain.
 Slope zigzag(double tilt, double azimuth, double height) {
-    return [=](double at, int leg) {
-        return std::atan(std::tan(tilt) * std::cos(at - azimuth)) + (leg % 2 == 0 ? height : -height);
+    return [=](double at, int ray) {
+        return std::atan(std::tan(tilt) * std::cos(at - azimuth)) + (ray % 2 == 0 ? height : -height);
     };
 }
 
-// A contour that branches next to the pole keeps its leg; the others are turned as far out as without it.
-TEST(RegularizeFans, one_leg_without_room_does_not_take_that_of_the_others) {
+// A contour that branches next to the pole keeps its ray; the others are turned as far out as without it.
+TEST(RegularizeFans, one_ray_without_room_does_not_take_that_of_the_others) {
     for (const double branch : {0.03 * radius, 0.3 * radius}) {
         Fan fan = fan_of(
             10, zigzag(0, 0, 0.5), [](int) { return false; }, branch);
@@ -140,7 +140,7 @@ TEST(RegularizeFans, one_leg_without_room_does_not_take_that_of_the_others) {
                                         [&](Vec3 p) { return std::abs(length(p) - branch) < 1e-9; });
         ASSERT_NE(found, points.end());
         const Vec3 near = *found;
-        EXPECT_EQ(fan.regularize().poles, 1u);
+        EXPECT_EQ(fan.regularize().fans, 1u);
         EXPECT_TRUE(has(fan.set, 0, 0, near));
         EXPECT_TRUE(has(fan.set, 0, 1, near));
         std::size_t turned = 0;
@@ -154,19 +154,19 @@ TEST(RegularizeFans, one_leg_without_room_does_not_take_that_of_the_others) {
     }
 }
 
-// A contour that lies within the radius altogether has no leg: nothing is turned, and it ends.
-TEST(RegularizeFans, a_contour_smaller_than_the_radius_has_no_legs) {
+// A contour that lies within the radius altogether has no ray: nothing is turned, and it ends.
+TEST(RegularizeFans, a_contour_smaller_than_the_radius_has_no_rays) {
     Fan fan = fan_of(10, zigzag(0, 0, 0.5));
     const Plane plane = make_plane({}, {1, 0, 0});
     fan.set.slices.push_back({plane, static_cast<std::uint32_t>(fan.set.contours.size()), 0, "small"});
     const double side = 0.2 * radius;
     add_ring(fan.set, plane, 0, {{}, {0, side, -side}, {0, -side, -side}});
     const ContourSet before = fan.set;
-    EXPECT_EQ(fan.regularize().poles, 0u);
+    EXPECT_EQ(fan.regularize().fans, 0u);
     EXPECT_EQ(fan.set.points, before.points);
 }
 
-// A surface that runs nearly along the line: its legs come near to each other.
+// A surface that runs nearly along the line: its rays come near to each other.
 TEST(RegularizeFans, what_runs_along_the_line_leaves_it_at_an_angle) {
     const double steepest = FanOptions{}.steepest_degrees, least_turn = 3;
     for (const int planes : {8, 12, 20}) {
@@ -176,15 +176,15 @@ TEST(RegularizeFans, what_runs_along_the_line_leaves_it_at_an_angle) {
                 return std::atan(std::tan(tilt) * std::cos(azimuth - turn));
             });
             const ContourSet before = fan.set;
-            EXPECT_EQ(fan.regularize().poles, 1u);
-            std::size_t legs = 0, turned = 0;
+            EXPECT_EQ(fan.regularize().fans, 1u);
+            std::size_t rays = 0, turned = 0;
             for (const Contour& contour : fan.set.contours) {
                 const auto points = fan.set.points_of(contour);
                 for (std::size_t k = 0; k < points.size(); ++k) {
                     if (points[k] != Vec3{}) continue;
                     for (const Vec3 p :
                          {points[(k + 1) % points.size()], points[(k + points.size() - 1) % points.size()]}) {
-                        ++legs;
+                        ++rays;
                         const double slope = degrees(std::atan2(std::abs(p.z), std::hypot(p.x, p.y)));
                         EXPECT_LE(slope, steepest + least_turn);
                         if (std::abs(slope - steepest) > 1e-6) continue;
@@ -193,9 +193,9 @@ TEST(RegularizeFans, what_runs_along_the_line_leaves_it_at_an_angle) {
                     }
                 }
             }
-            EXPECT_EQ(legs, 2u * static_cast<std::size_t>(planes));
+            EXPECT_EQ(rays, 2u * static_cast<std::size_t>(planes));
             EXPECT_GE(turned, 4u);
-            EXPECT_LT(turned, legs);
+            EXPECT_LT(turned, rays);
             for (std::uint32_t s = 0; s < before.slices.size(); ++s) {
                 for (const Vec3& p : before.points_of(before.contours[s])) EXPECT_TRUE(has(fan.set, s, 0, p));
             }
@@ -213,12 +213,12 @@ TEST(RegularizeFans, what_rises_and_falls_from_plane_to_plane_goes) {
         const ContourSet before = fan.set;
         ASSERT_LT(sharpest(before), 60);
         const FanStats stats = fan.regularize();
-        EXPECT_EQ(stats.poles, 1u);
+        EXPECT_EQ(stats.fans, 1u);
         EXPECT_GT(stats.highest_mm, 0.1 * radius);
         EXPECT_LT(stats.highest_mm, 0.6 * radius);
         EXPECT_GE(sharpest(fan.set), 70 - 1e-6);
         expect_sound(fan.set);
-        // What was drawn further out, and the pole, is where it was; the others are on the legs at the
+        // What was drawn further out, and the pole, is where it was; the others are on the rays at the
         // radius.
         ASSERT_EQ(fan.drawn.at.size(), fan.set.points.size());
         std::size_t put_in = 0;
@@ -250,7 +250,7 @@ TEST(RegularizeFans, slopes_ridges_and_cones_keep_their_bits) {
         for (const int planes : {4, 8, 13, 20}) {
             Fan fan = fan_of(planes, slope);
             const std::vector<Vec3> before = fan.set.points;
-            EXPECT_EQ(fan.regularize().poles, 0u);
+            EXPECT_EQ(fan.regularize().fans, 0u);
             EXPECT_EQ(fan.set.points, before);
         }
     }
@@ -260,15 +260,15 @@ TEST(RegularizeFans, three_planes_through_a_line_stay) {
     Fan fan = fan_of(3, zigzag(0, 0, 1.2));
     const std::vector<Vec3> before = fan.set.points;
     ASSERT_LT(sharpest(fan.set), 70);
-    EXPECT_EQ(fan.regularize().poles, 0u);
+    EXPECT_EQ(fan.regularize().fans, 0u);
     EXPECT_EQ(fan.set.points, before);
 }
 
-// Also where the other structure has legs on some of the planes only.
+// Also where the other structure has rays on some of the planes only.
 TEST(RegularizeFans, walls_stay_shared) {
     for (const int every : {1, 2, 3, 6}) {
         Fan fan = fan_of(12, zigzag(0.3, 1, 0.5), [&](int k) { return k % every == 0; });
-        EXPECT_EQ(fan.regularize().poles, 1u);
+        EXPECT_EQ(fan.regularize().fans, 1u);
         expect_sound(fan.set);
         std::size_t shared = 0;
         for (const Contour& contour : fan.set.contours) {
@@ -285,7 +285,7 @@ TEST(RegularizeFans, walls_stay_shared) {
 
 TEST(RegularizeFans, a_slice_that_would_not_be_sound_keeps_its_contours) {
     Fan fan = fan_of(12, zigzag(0, 0, 0.5));
-    // Just below the leg of slice 0, which comes down.
+    // Just below the ray of slice 0, which comes down.
     const double slope = std::tan(0.5);
     ContourSet set;
     set.source = fan.set.source;
@@ -349,7 +349,7 @@ TEST(RegularizeFans, no_vertex_moves_further_than_it_may) {
         }
         EXPECT_LE(furthest, most);
         EXPECT_LE(stats.highest_mm, most);
-        EXPECT_EQ(stats.poles, most < 1 ? 0u : 1u);
+        EXPECT_EQ(stats.fans, most < 1 ? 0u : 1u);
         EXPECT_EQ(fan.set.points.size() > before, most > 1);
         EXPECT_EQ(furthest > 0.1, most > 1);
         expect_sound(fan.set);
@@ -357,13 +357,13 @@ TEST(RegularizeFans, no_vertex_moves_further_than_it_may) {
 }
 
 // Nor does what is put in, where no vertex lies within the radius.
-TEST(RegularizeFans, no_leg_without_vertices_is_turned_further_either) {
+TEST(RegularizeFans, no_ray_without_vertices_is_turned_further_either) {
     for (const double most : {0.01, 10.0}) {
         Fan fan = fan_of(12, zigzag(0.3, 1, 0.5));
         const std::vector<Vec3> before = fan.set.points;
         const FanStats stats = fan.regularize(most);
         EXPECT_LE(stats.highest_mm, most);
-        EXPECT_EQ(stats.poles, most < 1 ? 0u : 1u);
+        EXPECT_EQ(stats.fans, most < 1 ? 0u : 1u);
         EXPECT_EQ(fan.set.points == before, most < 1);
     }
 }
@@ -384,16 +384,16 @@ TEST(RegularizeFans, C25_reconciling_settles_them_and_says_so) {
     // Where all agree as drawn a sharp edge is one.
     ContourSet sharp = fan_of(12, zigzag(0.3, 1, 0.5)).set;
     EXPECT_EQ(codes(sharp, true, stats), 0);
-    EXPECT_EQ(stats.poles.poles, 0u);
+    EXPECT_EQ(stats.fans.fans, 0u);
     for (const Contour& contour : sharp.contours_of(sharp.slices[0])) {
         for (std::uint32_t n = 0; n < contour.point_count; ++n)
             sharp.points[contour.first_point + n].z += 1.5;
     }
     EXPECT_EQ(codes(sharp, true, stats), 1);
-    EXPECT_EQ(stats.poles.poles, 1u);
+    EXPECT_EQ(stats.fans.fans, 1u);
     EXPECT_EQ(stats.difference_after_mm, 0);
     EXPECT_EQ(codes(sharp, false, stats), 0);
-    EXPECT_EQ(stats.poles.poles, 0u);
+    EXPECT_EQ(stats.fans.fans, 0u);
     EXPECT_EQ(codes(fan_of(12, zigzag(0.3, 1, 0.02)).set, true, stats), 0);
 }
 

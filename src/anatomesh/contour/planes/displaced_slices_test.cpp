@@ -1,4 +1,4 @@
-#include "anatomesh/contour/planes/out_of_line.h"
+#include "anatomesh/contour/planes/displaced_slices.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "anatomesh/contour/cleaned_for_test.h"
 
-namespace anatomesh::out_of_line_test {
+namespace anatomesh::displaced_slices_test {
 namespace {
 
 using namespace fixtures;
@@ -24,7 +24,7 @@ ContourSet organ(int count, const std::function<Vec3(int)>& middle_and_radius) {
 
 std::vector<std::uint32_t> slices_of(const ContourSet& set) {
     std::vector<std::uint32_t> slices;
-    for (const OutOfLine& one : slices_out_of_line(set)) slices.push_back(one.slice);
+    for (const DisplacedSlice& one : find_displaced_slices(set)) slices.push_back(one.slice);
     return slices;
 }
 
@@ -32,11 +32,11 @@ Vec3 ball(int k) {
     return {0, 0, std::sqrt(30.0 * 30 - 9 * (k - 8) * (k - 8))};
 }
 
-TEST(OutOfLine, C29_a_slice_that_jumped_is_named_with_its_distance) {
+TEST(DisplacedSlices, C29_a_slice_that_jumped_is_named_with_its_distance) {
     for (const double jump : {4.0, 8.0, 12.0, 40.0}) {
         for (const int at : {3, 8, 12}) {
             const ContourSet set = organ(17, [&](int k) { return ball(k) + Vec3{k == at ? jump : 0, 0, 0}; });
-            const std::vector<OutOfLine> found = slices_out_of_line(set);
+            const std::vector<DisplacedSlice> found = find_displaced_slices(set);
             ASSERT_EQ(found.size(), 1u) << jump << " " << at;
             EXPECT_EQ(found[0].slice, static_cast<std::uint32_t>(at));
             EXPECT_NEAR(found[0].distance_mm, jump, 0.05);
@@ -44,7 +44,7 @@ TEST(OutOfLine, C29_a_slice_that_jumped_is_named_with_its_distance) {
     }
 }
 
-TEST(OutOfLine, what_leans_bends_winds_trembles_or_jumps_for_good_is_not) {
+TEST(DisplacedSlices, what_leans_bends_winds_trembles_or_jumps_for_good_is_not) {
     std::mt19937 random(5);
     std::normal_distribution<double> noise(0, 0.7);
     EXPECT_TRUE(slices_of(organ(17, ball)).empty());
@@ -60,7 +60,7 @@ TEST(OutOfLine, what_leans_bends_winds_trembles_or_jumps_for_good_is_not) {
     EXPECT_TRUE(slices_of(organ(4, [](int k) { return Vec3{k == 2 ? 9.0 : 0, 0, 20}; })).empty());
 }
 
-TEST(OutOfLine, a_process_on_one_slice_or_a_part_that_is_larger_there_is_not) {
+TEST(DisplacedSlices, a_process_on_one_slice_or_a_part_that_is_larger_there_is_not) {
     File process, kidneys;
     for (int k = 0; k < 15; ++k) {
         Points outline = circle(0, 0, 18, 60, 5.0 * k);
@@ -75,7 +75,7 @@ TEST(OutOfLine, a_process_on_one_slice_or_a_part_that_is_larger_there_is_not) {
     EXPECT_TRUE(slices_of(clean(kidneys).kept()).empty());
 }
 
-TEST(OutOfLine, one_of_several_structures_that_lies_aside_alone_is_its_own_shape) {
+TEST(DisplacedSlices, one_of_several_structures_that_lies_aside_alone_is_its_own_shape) {
     File file;
     for (int k = 0; k < 17; ++k) {
         for (std::uint32_t s = 0; s < 2; ++s)
@@ -91,4 +91,4 @@ TEST(OutOfLine, one_of_several_structures_that_lies_aside_alone_is_its_own_shape
 }
 
 }  // namespace
-}  // namespace anatomesh::out_of_line_test
+}  // namespace anatomesh::displaced_slices_test

@@ -1,4 +1,4 @@
-#include "anatomesh/contour/planes/row_of_slices.h"
+#include "anatomesh/contour/planes/common_normal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ constexpr double cos_30 = 0.8660254037844387;
 
 }  // namespace
 
-std::optional<Vec3> direction_of_row(const ContourSet& set) {
+std::optional<Vec3> common_normal(const ContourSet& set) {
     if (set.slices.empty()) return std::nullopt;
     const Vec3 first = set.slices.front().plane.normal;
     Vec3 sum{};
@@ -21,10 +21,10 @@ std::optional<Vec3> direction_of_row(const ContourSet& set) {
     }
     if (!(squared_length(sum) > 0)) return std::nullopt;
     const Vec3 mean = normalized(sum);
-    const bool is_row = std::all_of(set.slices.begin(), set.slices.end(), [&](const Slice& slice) {
+    const bool is_common = std::all_of(set.slices.begin(), set.slices.end(), [&](const Slice& slice) {
         return std::abs(dot(slice.plane.normal, mean)) >= cos_30;
     });
-    return is_row ? std::optional(mean) : std::nullopt;
+    return is_common ? std::optional(mean) : std::nullopt;
 }
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/contour/model/repeated_planes.h"
+#include "anatomesh/contour/model/slice_groups.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,25 +44,25 @@ bool mark_rows(const std::vector<double>& gaps, const GroupRule& rule, bool at_e
 
 }  // namespace
 
-RegularGaps regular_gaps(const std::vector<double>& gaps) {
-    RegularGaps regular{std::vector<bool>(gaps.size(), false), gaps};
-    if (std::vector<bool> rows = regular.within; mark_rows(gaps, pairs, false, rows))
-        mark_rows(gaps, pairs, true, regular.within);
-    mark_rows(gaps, repeats, true, regular.within);
+SliceGroups find_slice_groups(const std::vector<double>& gaps) {
+    SliceGroups groups{std::vector<bool>(gaps.size(), false), gaps};
+    if (std::vector<bool> rows = groups.within; mark_rows(gaps, pairs, false, rows))
+        mark_rows(gaps, pairs, true, groups.within);
+    mark_rows(gaps, repeats, true, groups.within);
     for (std::size_t i = 0; i < gaps.size(); ++i) {
-        if (regular.within[i]) continue;
-        for (std::size_t k = i; k > 0 && regular.within[k - 1]; --k) regular.distance[i] += 0.5 * gaps[k - 1];
-        for (std::size_t k = i + 1; k < gaps.size() && regular.within[k]; ++k)
-            regular.distance[i] += 0.5 * gaps[k];
+        if (groups.within[i]) continue;
+        for (std::size_t k = i; k > 0 && groups.within[k - 1]; --k) groups.distance[i] += 0.5 * gaps[k - 1];
+        for (std::size_t k = i + 1; k < gaps.size() && groups.within[k]; ++k)
+            groups.distance[i] += 0.5 * gaps[k];
     }
-    return regular;
+    return groups;
 }
 
-std::vector<double> usual_gaps(const std::vector<double>& gaps) {
-    const RegularGaps regular = regular_gaps(gaps);
+std::vector<double> gaps_between_groups(const std::vector<double>& gaps) {
+    const SliceGroups groups = find_slice_groups(gaps);
     std::vector<double> usual;
     for (std::size_t i = 0; i < gaps.size(); ++i) {
-        if (!regular.within[i]) usual.push_back(gaps[i]);
+        if (!groups.within[i]) usual.push_back(gaps[i]);
     }
     return usual;
 }

@@ -1,11 +1,11 @@
-#include "anatomesh/contour/planes/out_of_line.h"
+#include "anatomesh/contour/planes/displaced_slices.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
-#include "anatomesh/contour/planes/row_of_slices.h"
+#include "anatomesh/contour/planes/common_normal.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/plane.h"
 
@@ -99,8 +99,8 @@ bool can_be_judged(const Region& below, const Region& one, const Region& above) 
            std::abs(one.area - mean) <= most_area_change * mean;
 }
 
-// How far region k is out of line; 0 if it is not; nothing where it cannot be told.
-std::optional<double> out_of_line(const std::vector<Region>& regions, std::size_t k) {
+// How far region k is displaced; 0 if it is not; nothing where it cannot be told.
+std::optional<double> displacement(const std::vector<Region>& regions, std::size_t k) {
     if (k < 2 || k + 2 >= regions.size() || !can_be_judged(regions[k - 1], regions[k], regions[k + 1]))
         return std::nullopt;
     std::vector<double> usual;
@@ -116,36 +116,36 @@ std::optional<double> out_of_line(const std::vector<Region>& regions, std::size_
     const double radius = std::sqrt(regions[k].area / std::numbers::pi);
     const double beside = std::max(distance_off(regions[k - 2], regions[k - 1], regions[k + 1]),
                                    distance_off(regions[k - 1], regions[k + 1], regions[k + 2]));
-    const bool is_out = off >= std::max({least_mm, least_of_radius * radius, times_usual * *middle}) &&
-                        beside <= in_line_share * off && has_moved(moved);
-    return is_out ? off : 0;
+    const bool is_displaced = off >= std::max({least_mm, least_of_radius * radius, times_usual * *middle}) &&
+                              beside <= in_line_share * off && has_moved(moved);
+    return is_displaced ? off : 0;
 }
 
 }  // namespace
 
-std::vector<OutOfLine> slices_out_of_line(const ContourSet& set) {
+std::vector<DisplacedSlice> find_displaced_slices(const ContourSet& set) {
     struct Votes {
-        std::size_t judged = 0, out = 0;
-        OutOfLine furthest;
+        std::size_t judged = 0, displaced = 0;
+        DisplacedSlice furthest;
     };
     std::vector<Votes> votes(set.slices.size());
-    const std::optional<Vec3> direction = direction_of_row(set);
-    if (!direction) return {};
-    const Plane across = make_plane({}, *direction);
+    const std::optional<Vec3> normal = common_normal(set);
+    if (!normal) return {};
+    const Plane across = make_plane({}, *normal);
     for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
         const std::vector<Region> regions = regions_of(set, s, across);
         for (std::size_t k = 0; k < regions.size(); ++k) {
-            const std::optional<double> off = out_of_line(regions, k);
+            const std::optional<double> off = displacement(regions, k);
             if (!off) continue;
             Votes& slice = votes[regions[k].slice];
             ++slice.judged;
-            slice.out += *off > 0;
+            slice.displaced += *off > 0;
             if (*off > slice.furthest.distance_mm) slice.furthest = {regions[k].slice, s, *off};
         }
     }
-    std::vector<OutOfLine> result;
+    std::vector<DisplacedSlice> result;
     for (const Votes& slice : votes) {
-        if (2 * slice.out > slice.judged) result.push_back(slice.furthest);
+        if (2 * slice.displaced > slice.judged) result.push_back(slice.furthest);
     }
     return result;
 }

@@ -1,4 +1,4 @@
-// regular_gaps: the spacing of a stack whose slices come in groups, or are given several times (gap clustering).
+// find_slice_groups: which slices of a stack come in groups, or are given several times (gap clustering).
 #pragma once
 
 #include <vector>
@@ -6,7 +6,7 @@
 namespace anatomesh {
 
 // The gaps between planes of a stack, in their order.
-struct RegularGaps {
+struct SliceGroups {
     std::vector<bool> within;  // whether the gap lies within a group of planes
     // The distance between the middles of the two groups beside a gap; a plane alone is its own middle. For a gap
     // within a group this is the gap itself.
@@ -20,9 +20,9 @@ struct RegularGaps {
 //   the stack has gaps alike on both sides, because one more slice makes no pairs.
 // Three slices near each other, or more, are no group, because islands are drawn so. Guarantees: the largest gap is
 // in no group. Requires: all gaps > 0. Complexity: O(n), times the length of such rows.
-RegularGaps regular_gaps(const std::vector<double>& gaps);
+SliceGroups find_slice_groups(const std::vector<double>& gaps);
 
-// Returns the gaps of a stack that are not within groups; its spacing is their median.
-std::vector<double> usual_gaps(const std::vector<double>& gaps);
+// Returns the gaps of a stack that are not within groups; its spacing is their median. Complexity: as above.
+std::vector<double> gaps_between_groups(const std::vector<double>& gaps);
 
 }  // namespace anatomesh
