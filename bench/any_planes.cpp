@@ -242,8 +242,8 @@ Result<std::string> errors_of_model(const Truth& truth, const std::vector<Surfac
     }
     std::size_t segments = 0, missed = 0;
     for (const StructureReport& structure : model.report.structures) {
-        segments += structure.contour_segments;
-        missed += structure.contour_segments - structure.contour_segments_on_surface;
+        segments += structure.fidelity.segments;
+        missed += structure.fidelity.segments - structure.fidelity.segments_on_surface;
     }
     return fmt::format("{} | {} | {} of {} | {} | {:.1f}", mean_and_p95(std::move(to_model)),
                        mean_and_p95(std::move(to_truth)), missed, segments, model.mesh.cells.size(), seconds);

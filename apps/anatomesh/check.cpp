@@ -218,8 +218,8 @@ Status run_check(CheckOptions options, Session& session) {
                                         options.contours.input, session.context));
         contours->kept = std::move(both.drawn);
         on_surface = std::move(both.on_surface);
-        report.routed_contours = std::move(both.routed);
-        report.inputs = contours->files;
+        report.contours.routed = std::move(both.routed);
+        report.provenance.inputs = contours->files;
     }
     CertificateInput input{model.mesh, model.description.regions, model.description.structures};
     input.contours = contours ? &contours->kept : nullptr;
@@ -232,16 +232,16 @@ Status run_check(CheckOptions options, Session& session) {
         input.field_origin = field.made.origin;
         input.field_volumes_mm3 = field.volumes_mm3;
         input.field_note = field.note;
-        report.end_caps = field.caps;
+        report.conventions.end_caps = field.caps;
     }
     check_model(
         input,
         {size_of(model.description).value_or(0), &model.mid_nodes, options.contours.input, options.model},
         session.context, report);
-    report.version = ANATOMESH_VERSION;
-    report.command = quoted_command(session.words);
-    report.space = model.description.space;
-    report.unit = model.description.unit;
+    report.provenance.version = ANATOMESH_VERSION;
+    report.provenance.command = quoted_command(session.words);
+    report.conventions.space = model.description.space;
+    report.conventions.unit = model.description.unit;
     report.warnings = session.context.warnings;
     if (!options.contours.keep_patient_ids) hide_dicom_names(report, session.words, options.contours.series);
 

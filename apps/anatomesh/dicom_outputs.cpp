@@ -40,7 +40,7 @@ Status check_dicom_outputs(const DicomOutputs& outputs) {
 Status add_dicom_outputs(const Model& model, const DicomSource& source, const DicomOutputs& outputs,
                          AtomicFileSet& files, RunContext& context) {
     if (outputs.paths().empty()) return Nothing{};
-    if (model.report.space != "LPS")
+    if (model.report.conventions.space != "LPS")
         return Error{ErrorKind::usage,
                      "E-CMD-018",
                      "the axes of the model are unknown, and DICOM needs them",
@@ -60,7 +60,8 @@ Status add_dicom_outputs(const Model& model, const DicomSource& source, const Di
     }
     if (!outputs.segmentation.empty()) {
         VoxelModel voxels;
-        voxels.geometry = source.grid ? *source.grid : grid_around(model.mesh, model.report.size_mm / 2);
+        voxels.geometry =
+            source.grid ? *source.grid : grid_around(model.mesh, model.report.lengths.size_mm / 2);
         voxels.regions = voxelize(model.mesh, voxels.geometry, context);
         voxels.structures = model.structures;
         voxels.members = model.regions.members;

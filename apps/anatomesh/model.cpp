@@ -146,9 +146,10 @@ MakeModelOptions making_options(const ModelVerbOptions& options, const Session& 
 // What the library does not know: the command, and the files that were read.
 void complete_report(ModelReport& report, const InputContours& contours, const StageReport& reading,
                      const Session& session) {
-    report.command = quoted_command(session.words);
-    report.inputs.insert(report.inputs.begin(), contours.files.begin(), contours.files.end());
-    report.stages.insert(report.stages.begin(), reading);
+    report.provenance.command = quoted_command(session.words);
+    report.provenance.inputs.insert(report.provenance.inputs.begin(), contours.files.begin(),
+                                    contours.files.end());
+    report.run.stages.insert(report.run.stages.begin(), reading);
     report.warnings = session.context.warnings;
 }
 
@@ -219,8 +220,8 @@ Result<ModelFile> file_of(Model& model, const ModelVerbOptions& options, Session
     ANATOMESH_TRY(CellValues values,
                   add_cell_values(file, options.element,
                                   options.input.prepare.threshold ? &options.input : nullptr, session));
-    for (StageReport& stage : values.stages) model.report.stages.push_back(std::move(stage));
-    for (InputReport& input : values.files) model.report.inputs.push_back(std::move(input));
+    for (StageReport& stage : values.stages) model.report.run.stages.push_back(std::move(stage));
+    for (InputReport& input : values.files) model.report.provenance.inputs.push_back(std::move(input));
     return file;
 }
 

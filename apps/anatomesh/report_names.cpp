@@ -37,7 +37,7 @@ std::string shown_series(const std::string& series) {
 
 void hide_dicom_names(ModelReport& report, std::vector<std::string> words, const std::string& series) {
     bool any = false;
-    for (InputReport& input : report.inputs) {
+    for (InputReport& input : report.provenance.inputs) {
         if (!input.format.starts_with("DICOM")) continue;
         any = true;
         const std::string path = without_slashes(input.file);
@@ -61,7 +61,7 @@ void hide_dicom_names(ModelReport& report, std::vector<std::string> words, const
                  std::filesystem::is_directory(path.parent_path(), error))
             word.replace(value, std::string::npos, path.filename().string());
     }
-    report.command = quoted_command(words);
+    report.provenance.command = quoted_command(words);
 }
 
 }  // namespace anatomesh

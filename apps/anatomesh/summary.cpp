@@ -26,8 +26,8 @@ const char* state_text(ClauseState state) {
 
 // "1 shell", "3 shells (1 void, smallest 0.25 mm3)".
 std::string shells_text(const StructureReport& structure) {
-    std::string text = counted(structure.components, "shell");
-    if (structure.components < 2 && structure.shells.voids == 0) return text;
+    std::string text = counted(structure.surface.components, "shell");
+    if (structure.surface.components < 2 && structure.shells.voids == 0) return text;
     return text + fmt::format(" ({}, smallest {:.3g} mm3)", counted(structure.shells.voids, "void"),
                               structure.shells.smallest_mm3);
 }
@@ -35,17 +35,18 @@ std::string shells_text(const StructureReport& structure) {
 std::string structure_line(const StructureReport& structure) {
     return fmt::format("  {:>6}  {:<28} {:>9} {}, {:.1f} mm3, {}, genus {}\n", structure.number,
                        on_one_line(structure.name), structure.tetrahedra,
-                       structure.tetrahedra == 1 ? "tetrahedron" : "tetrahedra", structure.volume_mesh_mm3,
-                       shells_text(structure), structure.genus);
+                       structure.tetrahedra == 1 ? "tetrahedron" : "tetrahedra", structure.volume.mesh_mm3,
+                       shells_text(structure), structure.surface.genus);
 }
 
 }  // namespace
 
 std::string report_summary(const ModelReport& report) {
     std::string text =
-        fmt::format("  {}, {}, {}, {} {}\n", counted(report.tetrahedra, "tetrahedron", "tetrahedra"),
-                    counted(report.vertices, "vertex", "vertices"),
-                    counted(report.surface_triangles, "triangle"), report.space, report.unit);
+        fmt::format("  {}, {}, {}, {} {}\n", counted(report.counts.tetrahedra, "tetrahedron", "tetrahedra"),
+                    counted(report.counts.vertices, "vertex", "vertices"),
+                    counted(report.counts.surface_triangles, "triangle"), report.conventions.space,
+                    report.conventions.unit);
     for (std::size_t i = 0; i < report.structures.size() && i < most_structures; ++i) {
         text += structure_line(report.structures[i]);
     }
@@ -58,7 +59,7 @@ std::string report_summary(const ModelReport& report) {
         "  radius-edge mean {:.3f}, above 2: {:.3f} %; dihedral angles {:.2f} to {:.2f} degrees\n",
         quality.radius_edge_mean, 100 * quality.radius_edge_share_over_2, quality.dihedral_min_deg,
         quality.dihedral_max_deg);
-    if (const FieldDistanceReport& distance = report.field_distance; distance.points > 0) {
+    if (const FieldDistanceReport& distance = report.field.distance; distance.points > 0) {
         text += fmt::format("  farthest from the field: {}{:.3g} mm, at {:.1f} {:.1f} {:.1f}\n",
                             distance.at_least ? "at least " : "", distance.max_mm, distance.at[0],
                             distance.at[1], distance.at[2]);

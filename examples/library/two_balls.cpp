@@ -98,7 +98,7 @@ int main() {
     const anatomesh::ModelReport& report = model.value().report;
     std::printf("two_balls.vtu: %zu tetrahedra\n", model.value().mesh.cells.size());
     for (const anatomesh::StructureReport& structure : report.structures)
-        std::printf("%s: %.1f mm3\n", structure.name.c_str(), structure.volume_mesh_mm3);
+        std::printf("%s: %.1f mm3\n", structure.name.c_str(), structure.volume.mesh_mm3);
     for (const anatomesh::Clause& clause : report.certificate)
         std::printf("clause %d: %s\n", clause.number, clause.evidence.c_str());
     for (const anatomesh::Warning& warning : report.warnings)

@@ -76,18 +76,18 @@ ShellNumbers measure_structures(const CertificateInput& input, const Surfaces& s
         for (std::size_t r = 0; r < cells_of_region.size(); ++r) {
             if (input.regions.contains(static_cast<Region>(r), s)) structure.tetrahedra += cells_of_region[r];
         }
-        structure.surface_triangles = topology.triangles;
-        structure.surface_vertices = topology.vertices;
-        structure.volume_mesh_mm3 = volumes[s];
-        if (!input.field_volumes_mm3.empty()) structure.volume_field_mm3 = input.field_volumes_mm3[s];
-        structure.area_mm2 = surface_area(mesh.points, surfaces[s]);
-        structure.components = topology.components;
+        structure.surface.triangles = topology.triangles;
+        structure.surface.vertices = topology.vertices;
+        structure.volume.mesh_mm3 = volumes[s];
+        if (!input.field_volumes_mm3.empty()) structure.volume.field_mm3 = input.field_volumes_mm3[s];
+        structure.surface.area_mm2 = surface_area(mesh.points, surfaces[s]);
+        structure.surface.components = topology.components;
         structure.pieces = pieces[s];
         structure.shells = count_shells(mesh.points, surfaces[s], shells[s]);
-        structure.genus = topology.genus;
-        structure.open_edges = topology.open_edges;
-        structure.nonmanifold_edges = topology.nonmanifold_edges + topology.misoriented_edges;
-        structure.nonmanifold_vertices = topology.nonmanifold_vertices;
+        structure.surface.genus = topology.genus;
+        structure.surface.open_edges = topology.open_edges;
+        structure.surface.nonmanifold_edges = topology.nonmanifold_edges + topology.misoriented_edges;
+        structure.surface.nonmanifold_vertices = topology.nonmanifold_vertices;
         report.structures.push_back(std::move(structure));
     }
     report.regions = input.regions.members;
@@ -132,11 +132,11 @@ void list_sections(const ContourSet& contours, const std::vector<SliceSection>& 
         drawn[section.structure] += section.drawn;
         slices[section.structure] += section.drawn > 0;
     }
-    report.sections.clear();
-    report.sections_not_drawn = 0;
+    report.contours.sections.clear();
+    report.contours.sections_not_drawn = 0;
     for (const SliceSection& section : sections) {
         const bool is_drawn = section.drawn > 0;
-        report.sections_not_drawn += !is_drawn;
+        report.contours.sections_not_drawn += !is_drawn;
         const double mean =
             slices[section.structure] > 0 ? drawn[section.structure] / slices[section.structure] : 0;
         if (!is_drawn && section.difference <= contract::section_tolerance * mean) continue;
@@ -148,7 +148,7 @@ void list_sections(const ContourSet& contours, const std::vector<SliceSection>& 
         for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
             if (kept.contours[c].structure == section.structure) entry.segments_missed += segments_missed[c];
         }
-        report.sections.push_back(std::move(entry));
+        report.contours.sections.push_back(std::move(entry));
     }
 }
 
@@ -162,10 +162,11 @@ struct ContourFindings {
 ContourFindings measure_contours(const CertificateInput& input, const Surfaces& surfaces,
                                  const ShellNumbers& shells, ModelReport& report) {
     const ContourSet &contours = *input.contours, &kept = input.on_surface ? *input.on_surface : contours;
-    report.slices = contours.slices.size();
-    report.contours = contours.contours.size();
-    report.contour_vertices = kept.points.size();
-    if (all_parallel(contours, parallel_tolerance_mm)) report.slice_spacing_mm = median_spacing(contours);
+    report.counts.slices = contours.slices.size();
+    report.counts.contours = contours.contours.size();
+    report.counts.contour_vertices = kept.points.size();
+    if (all_parallel(contours, parallel_tolerance_mm))
+        report.lengths.slice_spacing_mm = median_spacing(contours);
     Surfaces of_contours(contours.structures.size());
     std::vector<std::size_t> match(contours.structures.size());
     for (std::uint32_t s = 0; s < match.size(); ++s) {
@@ -183,16 +184,16 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
         findings.all.segments_on_surface += part.segments_on_surface;
         if (match[s] >= report.structures.size()) continue;
         StructureReport& structure = report.structures[match[s]];
-        structure.contour_vertices += part.vertices;
-        structure.contour_vertices_on_surface += part.vertices_on_surface;
-        structure.contour_segments += part.segments;
-        structure.contour_segments_on_surface += part.segments_on_surface;
-        if (!volumes.empty()) structure.volume_slices_mm3 += volumes[s];
+        structure.fidelity.vertices += part.vertices;
+        structure.fidelity.vertices_on_surface += part.vertices_on_surface;
+        structure.fidelity.segments += part.segments;
+        structure.fidelity.segments_on_surface += part.segments_on_surface;
+        if (!volumes.empty()) structure.volume.slices_mm3 += volumes[s];
     }
     for (const SegmentOfContour& segment : contradicted_segments(kept, fidelity.missed)) {
         const std::size_t s = match[kept.contours[segment.contour].structure];
         ++findings.contradicted;
-        if (s < report.structures.size()) ++report.structures[s].contour_segments_contradicted;
+        if (s < report.structures.size()) ++report.structures[s].fidelity.segments_contradicted;
     }
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         look_for_contours(input.mesh.points, surfaces[s], shells[s], kept, match, s, fidelity.vertex_of,
@@ -219,9 +220,9 @@ constexpr std::size_t named_places = 3;  // A clause names no more. [places; >= 
 
 ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes,
                          const ContourFindings& findings, int threads, ModelReport& report) {
-    report.listed_cells.clear();
-    report.listed_cells_total = shapes.over_bound.size();
-    report.listed_cells_forced = report.listed_cells_bad = 0;
+    report.listed_cells.cells.clear();
+    report.listed_cells.total = shapes.over_bound.size();
+    report.listed_cells.forced = report.listed_cells.bad = 0;
     ShapeFindings found;
     found.above = report.quality.radius_edge_over_2;
     found.mean_free = report.quality.radius_edge_mean;
@@ -235,7 +236,7 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
         for (const std::uint32_t v : input.mesh.cells[c]) sum += input.mesh.points[v];
         listed.at = {sum.x / 4, sum.y / 4, sum.z / 4};
         const bool is_forced = !listed.forced_by.empty();
-        report.listed_cells_forced += is_forced;
+        report.listed_cells.forced += is_forced;
         found.forced += is_forced && listed.value > contract::max_radius_edge;
         // Negated, so that a ratio that is no number is bad.
         const bool bad = !(listed.value <= contract::bad_radius_edge) ||
@@ -243,11 +244,12 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
         const bool gross = !(listed.value <= contract::gross_radius_edge) ||
                            listed.min_dihedral_deg < contract::gross_dihedral_degrees;
         found.bad += bad && !is_forced;
-        report.listed_cells_bad += bad && !is_forced;
+        report.listed_cells.bad += bad && !is_forced;
         found.gross += gross && !is_forced;
         found.forced_gross += gross && is_forced;
         if ((is_forced ? gross : bad) && found.worst.size() < named_places) found.worst.push_back(listed);
-        if (report.listed_cells.size() < max_listed_cells) report.listed_cells.push_back(std::move(listed));
+        if (report.listed_cells.cells.size() < max_listed_cells)
+            report.listed_cells.cells.push_back(std::move(listed));
     }
     if (input.contours) {
         // Pieces of a fixed size: the same mean at any number of threads.
@@ -319,7 +321,7 @@ template <class Wanted, class Value, class Text>
 std::string worst_places(const ModelReport& report, const Wanted& wanted, const Value& value,
                          const Text& text) {
     std::vector<const SliceSectionReport*> worst;
-    for (const SliceSectionReport& section : report.sections) {
+    for (const SliceSectionReport& section : report.contours.sections) {
         if (wanted(section)) worst.push_back(&section);
     }
     std::stable_sort(worst.begin(), worst.end(),
@@ -341,7 +343,7 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
     };
     double drawn = 0, difference = 0, worst = 0;
     std::size_t total = 0, far = 0, strange = 0;
-    for (const SliceSectionReport& section : report.sections) {
+    for (const SliceSectionReport& section : report.contours.sections) {
         far += too_far(section);
         if (!is_drawn(section)) {
             ++strange;
@@ -369,8 +371,8 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
                              }) +
                 ")";
     }
-    text += "; where it is not drawn: cross-sections in " + count_of(strange, report.sections_not_drawn) +
-            " slices";
+    text += "; where it is not drawn: cross-sections in " +
+            count_of(strange, report.contours.sections_not_drawn) + " slices";
     if (strange > 0) {
         text += " (" +
                 worst_places(
@@ -385,14 +387,14 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
 }
 
 std::string routed_text(const ModelReport& report) {
-    if (report.routed_contours.empty()) return {};
+    if (report.contours.routed.empty()) return {};
     std::uint64_t segments = 0;
     double farthest_mm = 0;
-    for (const RoutedContourReport& contour : report.routed_contours) {
+    for (const RoutedContourReport& contour : report.contours.routed) {
         segments += contour.segments;
         farthest_mm = std::max(farthest_mm, contour.farthest_mm);
     }
-    return ", " + std::to_string(report.routed_contours.size()) +
+    return ", " + std::to_string(report.contours.routed.size()) +
            " of the contours after they were moved to edges of the surface at " + std::to_string(segments) +
            " drawn segments, by at most " + fixed_text(farthest_mm, 3) + " mm";
 }
@@ -418,7 +420,7 @@ std::string segments_text(const ContourFindings& findings, const ModelReport& re
 // The structure whose cross-sections by all slices together are farthest from what is drawn, where that is gross.
 std::string gross_cuts_text(const ModelReport& report) {
     std::map<std::string, std::array<double, 2>> areas;  // of a structure: drawn, amiss
-    for (const SliceSectionReport& section : report.sections) {
+    for (const SliceSectionReport& section : report.contours.sections) {
         areas[section.structure][0] += section.drawn_mm2;
         areas[section.structure][1] += section.difference_mm2;
     }
@@ -472,17 +474,18 @@ Clause clause_validity(const MeshCheck& check, const ModelReport& report) {
         ""};
     std::uint64_t open = 0, edges = 0, vertices = 0;
     for (const StructureReport& structure : report.structures) {
-        open += structure.open_edges;
-        edges += structure.nonmanifold_edges;
-        vertices += structure.nonmanifold_vertices;
+        open += structure.surface.open_edges;
+        edges += structure.surface.nonmanifold_edges;
+        vertices += structure.surface.nonmanifold_vertices;
     }
     if (!check.valid() || open + edges + vertices > 0) clause.state = ClauseState::broken;
-    clause.evidence =
-        std::to_string(report.tetrahedra) + " tetrahedra, " + std::to_string(check.boundary_triangles) +
-        " boundary facets, by exact arithmetic: " + to_line(check) +
-        (check.boundary_checked ? "" : " (crossings of the boundary not checked)") + "; surfaces of " +
-        counted(report.structures.size(), "structure") + ": " + std::to_string(open) + " open edges, " +
-        std::to_string(edges) + " non-manifold edges, " + std::to_string(vertices) + " non-manifold vertices";
+    clause.evidence = std::to_string(report.counts.tetrahedra) + " tetrahedra, " +
+                      std::to_string(check.boundary_triangles) +
+                      " boundary facets, by exact arithmetic: " + to_line(check) +
+                      (check.boundary_checked ? "" : " (crossings of the boundary not checked)") +
+                      "; surfaces of " + counted(report.structures.size(), "structure") + ": " +
+                      std::to_string(open) + " open edges, " + std::to_string(edges) +
+                      " non-manifold edges, " + std::to_string(vertices) + " non-manifold vertices";
     return clause;
 }
 
@@ -518,13 +521,13 @@ Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, c
         "dihedral angles of at least 10 degrees; for none above 100 or with an angle below 0.05 degrees.",
         ""};
     // Negated, so that a mean that is no number breaks the clause.
-    const bool tolerable =
-        static_cast<double>(free) <= contract::share_over_bound * static_cast<double>(report.tetrahedra) &&
-        found.mean_free <= contract::mean_radius_edge;
+    const bool tolerable = static_cast<double>(free) <=
+                               contract::share_over_bound * static_cast<double>(report.counts.tetrahedra) &&
+                           found.mean_free <= contract::mean_radius_edge;
     if (found.bad + found.forced_gross > 0) clause.state = ClauseState::not_promised_yet;
     if ((free > 0 && !tolerable) || found.gross > 0) clause.state = ClauseState::broken;
-    clause.evidence = "radius-edge: " + count_of(found.above, report.tetrahedra) + " (" +
-                      share_text(found.above, report.tetrahedra) + ") above 2, ";
+    clause.evidence = "radius-edge: " + count_of(found.above, report.counts.tetrahedra) + " (" +
+                      share_text(found.above, report.counts.tetrahedra) + ") above 2, ";
     clause.evidence += input.contours ? std::to_string(found.forced) + " of them forced by contour points"
                                       : "the reason is not known without contours";
     clause.evidence += ", mean " + fixed_text(quality.radius_edge_mean, 3);
@@ -532,7 +535,7 @@ Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, c
         clause.evidence += " (" + fixed_text(found.mean_free, 3) + " for those not forced)";
     clause.evidence += ", maximum " + fixed_text(quality.radius_edge_max, 2);
     if (found.above > 0) {
-        clause.evidence += report.listed_cells_total <= max_listed_cells
+        clause.evidence += report.listed_cells.total <= max_listed_cells
                                ? ", all listed"
                                : ", the worst " + std::to_string(max_listed_cells) + " listed";
     }
@@ -565,12 +568,12 @@ Clause clause_volume(const CertificateInput& input, const ModelReport& report) {
     double total = 0, slices = 0, worst = 0;
     std::string worst_name;
     for (const StructureReport& structure : report.structures) {
-        total += structure.volume_mesh_mm3;
-        slices += structure.volume_slices_mm3;
-        const double difference = std::abs(structure.volume_mesh_mm3 - structure.volume_field_mm3);
+        total += structure.volume.mesh_mm3;
+        slices += structure.volume.slices_mm3;
+        const double difference = std::abs(structure.volume.mesh_mm3 - structure.volume.field_mm3);
         if (difference == 0) continue;
         const double relative =
-            structure.volume_field_mm3 > 0 ? difference / structure.volume_field_mm3 : HUGE_VAL;
+            structure.volume.field_mm3 > 0 ? difference / structure.volume.field_mm3 : HUGE_VAL;
         if (relative <= worst) continue;
         worst = relative;
         worst_name = structure.name.empty() ? std::to_string(structure.number) : structure.name;
@@ -627,10 +630,10 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
     const auto compare_with_field = [&] {
         if (!input.field) return;
         const std::vector<std::uint32_t> of_field = structures_of_field(input);
-        report.field_distance =
+        report.field.distance =
             farthest_from_field(mesh, neighbors, input.regions, input.structures, of_field, *input.field,
                                 input.field_origin, context.threads);
-        report.field_difference = field_difference(mesh.points, surfaces, input.structures, of_field,
+        report.field.difference = field_difference(mesh.points, surfaces, input.structures, of_field,
                                                    *input.field, input.field_origin, context.threads);
     };
     // Much of this is serial: the field, which is not, is asked beside it.
@@ -642,12 +645,12 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
         for (std::uint32_t s = 0; s < input.structures.size(); ++s) {
             surfaces.push_back(structure_surface(mesh, neighbors, input.regions, s, context.threads));
         }
-        report.surface_triangles = count_interface_facets(mesh, neighbors, context.threads);
+        report.counts.surface_triangles = count_interface_facets(mesh, neighbors, context.threads);
         parallel_tasks(context.threads, {compare_with_field, measure_surfaces,
                                          [&] { shapes = measure_shapes(mesh, context); }});
     }
-    report.vertices = mesh.points.size();
-    report.tetrahedra = mesh.cells.size();
+    report.counts.vertices = mesh.points.size();
+    report.counts.tetrahedra = mesh.cells.size();
     report.certificate.clear();
     if (!measurable) {
         report.certificate.push_back(clause_validity(check, report));

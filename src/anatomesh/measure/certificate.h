@@ -46,11 +46,11 @@ struct CertificateInput {
 std::size_t matching_structure(std::span<const Structure> contours, std::size_t structure,
                                std::span<const Structure> model);
 
-// Fills, and only these: vertices, tetrahedra, surface_triangles, structures, regions, quality, certificate,
-// listed_cells, listed_cells_total, listed_cells_forced; with contours also slices, contours,
-// contour_vertices, sections, sections_not_drawn and, of parallel slices, slice_spacing_mm; with a field
-// field_distance and field_difference. Of what is there already it reads routed_contours. Structures are
-// matched by matching_structure(); the vertices of a structure that the model lacks are not on its surface.
+// Fills, and only these: structures, regions, quality, certificate, listed_cells and, of counts, those of the
+// model; with contours also counts.slices, counts.contours, counts.contour_vertices, contours.sections,
+// contours.sections_not_drawn and, of parallel slices, lengths.slice_spacing_mm; with a field `field`. Of what
+// is there already it reads contours.routed. Structures are matched by matching_structure(); the vertices of a
+// structure that the model lacks are not on its surface.
 // Requires: mesh.regions.size() == mesh.cells.size(), every region in the table, members below
 // structures.size(). Warnings of the context that tell of vertices moved by cleaning stand in the evidence of
 // clause 1. Complexity: O(n log n): 250,000 cells take about 0.7 s on one thread, a third of it for

@@ -73,17 +73,17 @@ TEST(Certificate, a_sound_model_keeps_what_is_promised) {
     const StructureReport& structure = report.structures.at(0);
     EXPECT_EQ(structure.number, 7);
     EXPECT_EQ(structure.tetrahedra, 384u);
-    EXPECT_EQ(structure.components, 1u);
+    EXPECT_EQ(structure.surface.components, 1u);
     EXPECT_EQ(structure.pieces, 1u);
-    EXPECT_EQ(structure.genus, 0);
-    EXPECT_NEAR(structure.volume_mesh_mm3, 64.0, 1e-12);
-    EXPECT_DOUBLE_EQ(structure.area_mm2, 96.0);
-    EXPECT_DOUBLE_EQ(structure.volume_slices_mm3, 48.0);
-    EXPECT_EQ(structure.contour_segments, 12u);
-    EXPECT_EQ(structure.contour_segments_on_surface, 12u);  // each a chain of four edges
-    EXPECT_EQ(report.slices, 3u);
-    EXPECT_DOUBLE_EQ(report.slice_spacing_mm, 1.0);
-    EXPECT_EQ(report.listed_cells_total, 0u);
+    EXPECT_EQ(structure.surface.genus, 0);
+    EXPECT_NEAR(structure.volume.mesh_mm3, 64.0, 1e-12);
+    EXPECT_DOUBLE_EQ(structure.surface.area_mm2, 96.0);
+    EXPECT_DOUBLE_EQ(structure.volume.slices_mm3, 48.0);
+    EXPECT_EQ(structure.fidelity.segments, 12u);
+    EXPECT_EQ(structure.fidelity.segments_on_surface, 12u);  // each a chain of four edges
+    EXPECT_EQ(report.counts.slices, 3u);
+    EXPECT_DOUBLE_EQ(report.lengths.slice_spacing_mm, 1.0);
+    EXPECT_EQ(report.listed_cells.total, 0u);
 }
 
 TEST(Certificate, without_contours_and_field_their_clauses_are_not_checked) {
@@ -100,8 +100,8 @@ TEST(Certificate, a_contour_vertex_off_by_one_bit_breaks_clause_1) {
     off.contours.points[5].y = std::nextafter(0.0, 1.0);
     const ModelReport report = off.measure(true);
     EXPECT_EQ(report.certificate[0].state, ClauseState::broken);
-    EXPECT_EQ(report.structures[0].contour_vertices_on_surface, 11u);
-    EXPECT_EQ(report.structures[0].contour_segments_on_surface, 10u);
+    EXPECT_EQ(report.structures[0].fidelity.vertices_on_surface, 11u);
+    EXPECT_EQ(report.structures[0].fidelity.segments_on_surface, 10u);
     EXPECT_TRUE(any_broken(report.certificate));
 }
 
@@ -117,9 +117,9 @@ TEST(Certificate, clause_2_says_how_many_of_the_segments_missed_another_slice_co
                                {2, 1, 0}, {2, 3, 0}, {2, 3, 4}, {2, 1, 4}};
     const ModelReport report = crossed.measure(true);
     const StructureReport& structure = report.structures.at(0);
-    EXPECT_EQ(structure.contour_segments, 8u);
-    EXPECT_EQ(structure.contour_segments_on_surface, 6u);
-    EXPECT_EQ(structure.contour_segments_contradicted, 2u);
+    EXPECT_EQ(structure.fidelity.segments, 8u);
+    EXPECT_EQ(structure.fidelity.segments_on_surface, 6u);
+    EXPECT_EQ(structure.fidelity.segments_contradicted, 2u);
     EXPECT_NE(report.certificate[1].evidence.find(
                   "2 of the others cross another slice where that slice contradicts them"),
               std::string::npos)
@@ -143,7 +143,7 @@ TEST(Certificate, clause_1_says_what_cleaning_moved_before) {
 TEST(Certificate, a_contour_vertex_inside_the_solid_is_not_on_the_surface) {
     Case inside;
     inside.contours.points[5] = {2, 2, 2};
-    EXPECT_EQ(inside.measure(true).structures[0].contour_vertices_on_surface, 11u);
+    EXPECT_EQ(inside.measure(true).structures[0].fidelity.vertices_on_surface, 11u);
 }
 
 TEST(Certificate, a_structure_that_the_model_lacks_breaks_clause_1) {
@@ -151,7 +151,7 @@ TEST(Certificate, a_structure_that_the_model_lacks_breaks_clause_1) {
     lacking.contours.structures = {{9, "other", {}}, {7, "block", {}}};
     const ModelReport report = lacking.measure(true);
     EXPECT_EQ(report.certificate[0].state, ClauseState::broken);
-    EXPECT_EQ(report.structures[0].contour_vertices, 0u);
+    EXPECT_EQ(report.structures[0].fidelity.vertices, 0u);
 }
 
 TEST(Certificate, faults_of_the_mesh_break_clause_3) {
@@ -163,7 +163,7 @@ TEST(Certificate, faults_of_the_mesh_break_clause_3) {
     Case touching;
     touching.mesh =
         testing::brick_mesh({2, 2, 2}, [](int i, int j, int k) { return Region(i == j && j == k); });
-    EXPECT_EQ(touching.measure(false).structures[0].nonmanifold_vertices, 1u);
+    EXPECT_EQ(touching.measure(false).structures[0].surface.nonmanifold_vertices, 1u);
     EXPECT_EQ(touching.measure(false).certificate[2].state, ClauseState::broken);
 
     Case lost;
@@ -192,7 +192,7 @@ TEST(Certificate, cuts_that_are_grossly_amiss_break_clause_2_and_the_structure_a
                                                    0),
               0u)
         << report.certificate[1].evidence;
-    EXPECT_EQ(report.structures[0].contour_segments_on_surface, 12u);
+    EXPECT_EQ(report.structures[0].fidelity.segments_on_surface, 12u);
 }
 
 TEST(Certificate, a_volume_off_by_more_than_its_bound_breaks_clause_6) {
@@ -207,9 +207,9 @@ TEST(Certificate, flat_cells_are_listed_with_what_forces_them) {
     for (Vec3& p : squeezed.mesh.points) p.x *= 0.01;
     for (Vec3& p : squeezed.contours.points) p.x *= 0.01;
     const ModelReport report = squeezed.measure(true);
-    EXPECT_EQ(report.listed_cells_total, 384u);
-    EXPECT_EQ(report.listed_cells.size(), 384u);
-    EXPECT_GE(report.listed_cells[0].value, report.listed_cells[1].value);
+    EXPECT_EQ(report.listed_cells.total, 384u);
+    EXPECT_EQ(report.listed_cells.cells.size(), 384u);
+    EXPECT_GE(report.listed_cells.cells[0].value, report.listed_cells.cells[1].value);
     EXPECT_EQ(report.certificate[3].state, ClauseState::broken);
     EXPECT_DOUBLE_EQ(report.quality.radius_edge_share_over_2, 1.0);
     EXPECT_GT(report.quality.dihedral_below_10, 0u);
@@ -236,8 +236,8 @@ TEST(Certificate, cells_too_flat_for_any_use_are_said_though_contours_force_them
             }
         }
         const ModelReport report = thin.measure(true);
-        EXPECT_EQ(report.listed_cells_total, report.tetrahedra);
-        EXPECT_EQ(report.listed_cells_forced, report.tetrahedra);
+        EXPECT_EQ(report.listed_cells.total, report.counts.tetrahedra);
+        EXPECT_EQ(report.listed_cells.forced, report.counts.tetrahedra);
         const Clause& clause = report.certificate[3];
         EXPECT_EQ(clause.state, apart < 0.01 ? ClauseState::not_promised_yet : ClauseState::kept);
         EXPECT_EQ(clause.evidence.find("of those that contours force (at ") != std::string::npos,
@@ -309,7 +309,7 @@ TEST(Certificate, coarse_cells_within_the_bound_keep_clause_4_whatever_their_mea
     for (Vec3& p : stretched.mesh.points) p.x *= 2.5;
     const ModelReport report = stretched.measure(false);
     EXPECT_GT(report.quality.radius_edge_mean, contract::mean_radius_edge);
-    EXPECT_EQ(report.listed_cells_total, 0u);
+    EXPECT_EQ(report.listed_cells.total, 0u);
     EXPECT_EQ(report.certificate[3].state, ClauseState::kept);
 }
 

@@ -64,23 +64,39 @@ struct ShellReport {
     std::string worst_slice;
 };
 
+// A structure's surface: its size, and how it is connected.
+struct SurfaceReport {
+    std::uint64_t triangles = 0, vertices = 0;
+    double area_mm2 = 0;
+    std::uint32_t components = 0;  // its shells
+    std::int64_t genus = 0;        // summed over these
+    std::uint64_t open_edges = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0;
+};
+
+// A structure's volume in three ways; 0: not known.
+struct VolumeReport {
+    double mesh_mm3 = 0;    // sum of its cells
+    double field_mm3 = 0;   // integral of the field's cross-sections
+    double slices_mm3 = 0;  // plain slice integration: area x spacing
+};
+
+// How many of a structure's contour vertices and segments its surface has; 0 without contours.
+struct FidelityReport {
+    std::uint64_t vertices = 0, vertices_on_surface = 0;
+    std::uint64_t segments = 0, segments_on_surface = 0;  // chains of surface edges
+    std::uint64_t segments_contradicted = 0;              // of the others, those of contradicted_segments.h
+};
+
 struct StructureReport {
     std::int32_t number = 0;
     std::string name;
     std::array<std::uint8_t, 3> color{200, 200, 200};
-    std::uint64_t tetrahedra = 0, surface_triangles = 0, surface_vertices = 0;
-    double volume_mesh_mm3 = 0;    // sum of its cells
-    double volume_field_mm3 = 0;   // integral of the field's cross-sections; 0 when not known
-    double volume_slices_mm3 = 0;  // plain slice integration: area x spacing; 0 when not known
-    double area_mm2 = 0;           // of its surface
-    std::uint32_t components = 0;  // of its surface (shells)
-    std::uint32_t pieces = 0;      // of its volume
+    std::uint64_t tetrahedra = 0;
+    std::uint32_t pieces = 0;  // of its volume
+    VolumeReport volume;
+    SurfaceReport surface;
     ShellReport shells;
-    std::int64_t genus = 0;  // summed over its surface's components
-    std::uint64_t open_edges = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0;
-    std::uint64_t contour_vertices = 0, contour_vertices_on_surface = 0;
-    std::uint64_t contour_segments = 0, contour_segments_on_surface = 0;  // chains of surface edges
-    std::uint64_t contour_segments_contradicted = 0;  // of the others, those of contradicted_segments.h
+    FidelityReport fidelity;
 };
 
 // The cross-section of the model by a slice's plane beside what is drawn there, for one structure.
@@ -183,41 +199,84 @@ struct CrossingReport {
     std::vector<SliceMovementReport> slices;
 };
 
-struct ModelReport {
+// What a model was made of, by which program, and with which options.
+struct ProvenanceReport {
     std::string version, command;
     std::vector<std::pair<std::string, std::string>> libraries;  // name, version: "CGAL" -> "5.5.1"
     std::vector<InputReport> inputs;
     std::vector<std::pair<std::string, std::string>> options;  // name, value as used (after defaults)
+};
+
+// How coordinates and contours are understood.
+struct ConventionsReport {
     std::string space = "LPS", unit = "mm";
     std::string hole_rule, end_caps;
+};
 
-    std::uint64_t vertices = 0, tetrahedra = 0, surface_triangles = 0;
-    std::uint64_t slices = 0, contours = 0, contour_vertices = 0, traced_points = 0;
+// How much there is of the model and of its contours.
+struct CountsReport {
+    std::uint64_t vertices = 0, tetrahedra = 0, surface_triangles = 0;  // of the model
+    std::uint64_t slices = 0, contours = 0, contour_vertices = 0;       // as kept
+    std::uint64_t traced_points = 0, islands_left_out = 0;              // before that
+};
+
+// The lengths that the run went by; 0: not known, or none.
+struct LengthsReport {
     double epsilon_mm = 0, size_mm = 0, slice_spacing_mm = 0;
-    double share_culled = 0;                        // cells of the Delaunay mesh that were culled
-    double radius_edge_mean_before_refinement = 0;  // over the kept cells
-    std::uint64_t islands_left_out = 0;
+};
 
+// The Delaunay mesh between the steps.
+struct MeshingReport {
+    double share_culled = 0;                        // of its cells
+    double radius_edge_mean_before_refinement = 0;  // over the kept cells
+};
+
+// The cells beyond a bound: a radius-edge ratio above 2, or an angle below 10 degrees.
+struct ListedCellsReport {
+    std::vector<ListedCell> cells;  // worst ratios first, then angles; at most max_listed_cells
+    std::uint64_t total = 0;        // beyond the bounds, listed or not
+    std::uint64_t forced = 0;       // of these, by the input, with the reason known
+    std::uint64_t bad = 0;          // beyond what clause 4 allows for a single cell, and nothing forces them
+};
+
+// What became of the contours: how each was read, and where the model is not as drawn.
+struct ContoursReport {
+    std::vector<ContourReport> log;
+    // Those of slices on which a structure is drawn, and those where it is not but the model has it.
+    std::vector<SliceSectionReport> sections;
+    std::uint64_t sections_not_drawn = 0;  // measured on slices where a structure is not drawn
+    std::vector<RoutedContourReport> routed;
+};
+
+// How far the model agrees with the field that it was made of.
+struct FieldAgreementReport {
+    FieldDistanceReport distance;
+    FieldDifferenceReport difference;
+};
+
+// What the run did, stage by stage and in all.
+struct RunReport {
+    std::vector<StageReport> stages;
+    WorkReport work;
+};
+
+// Every group says what one stage or measurement found; those of contours and of the field are empty without
+// these.
+struct ModelReport {
+    ProvenanceReport provenance;
+    ConventionsReport conventions;
+    CountsReport counts;
+    LengthsReport lengths;
+    MeshingReport meshing;
     std::vector<StructureReport> structures;
     std::vector<std::vector<std::uint32_t>> regions;  // members by region, indices into structures; [0] empty
     QualityReport quality;
     std::vector<Clause> certificate;
-    std::uint64_t listed_cells_bad = 0;  // that nothing forces, and of which clause 4 allows not one
-    // Radius-edge above 2, worst first, then angles below 10 degrees; at most max_listed_cells.
-    std::vector<ListedCell> listed_cells;
-    std::uint64_t listed_cells_total = 0,
-                  listed_cells_forced = 0;  // forced: by the input, with the reason known
-    std::vector<ContourReport> contour_log;
-    // Where contours are at hand: those of slices on which a structure is drawn, and those where it is not but
-    // the model has it.
-    std::vector<SliceSectionReport> sections;
-    std::uint64_t sections_not_drawn = 0;  // measured on slices where a structure is not drawn
-    std::vector<RoutedContourReport> routed_contours;
-    FieldDistanceReport field_distance;
-    FieldDifferenceReport field_difference;
+    ListedCellsReport listed_cells;
+    ContoursReport contours;
+    FieldAgreementReport field;
     CrossingReport crossing;
-    std::vector<StageReport> stages;
-    WorkReport work;
+    RunReport run;
     std::vector<Warning> warnings;
 };
 

@@ -78,7 +78,7 @@ class RetryDriver {
         note_other_runs(model.report, seconds.count());
         model.drawn = contours_;
         ANATOMESH_CHECK_STATUS(show_again());
-        model.report.work = work_;
+        model.report.run.work = work_;
         return model;
     }
 
@@ -295,14 +295,14 @@ class RetryDriver {
     // So that the stages tell the time of all runs.
     void note_other_runs(ModelReport& report, double seconds_of_all) const {
         if (count_ < 2) return;
-        for (const StageReport& stage : report.stages) seconds_of_all -= stage.seconds;
+        for (const StageReport& stage : report.run.stages) seconds_of_all -= stage.seconds;
         StageReport others;
         others.name = "other tries";
         others.seconds = std::max(0.0, seconds_of_all);
-        others.points = report.vertices;
-        others.cells = report.tetrahedra;
+        others.points = report.counts.vertices;
+        others.cells = report.counts.tetrahedra;
         others.figures = {{"tries", static_cast<double>(count_ - 1)}};
-        report.stages.push_back(std::move(others));
+        report.run.stages.push_back(std::move(others));
     }
 
     // The stages that were shown last were of another model than the one that is taken.

@@ -173,8 +173,8 @@ TEST(BuildModel, C16_five_tubes_and_seven) {
         }
         const Model model = certified_model(drawing);
         ASSERT_FALSE(model.report.structures.empty()) << n;
-        EXPECT_GE(model.report.structures[0].components, 1u) << n;
-        EXPECT_LE(model.report.structures[0].components, 12u) << n;
+        EXPECT_GE(model.report.structures[0].surface.components, 1u) << n;
+        EXPECT_LE(model.report.structures[0].surface.components, 12u) << n;
     }
 }
 
@@ -304,7 +304,7 @@ TEST(BuildModel, the_caps_of_a_fan_are_planes) {
             EXPECT_NEAR(area / (pi * 144), 1, 0.05) << end;
             EXPECT_LT(beyond, 0.01) << end;
         }
-        for (const SliceSectionReport& cut : model.report.sections)
+        for (const SliceSectionReport& cut : model.report.contours.sections)
             EXPECT_LE(cut.difference_mm2, (degrees < 2 ? 1e-3 : 0.02) * cut.drawn_mm2) << cut.slice;
     }
 }
@@ -349,8 +349,8 @@ TEST(BuildModel, flat_ends_of_narrow_strips_are_what_is_drawn) {
             options.caps = EndCaps::flat;
             auto made = build_model(kept(drawing.raw), options, context);
             ASSERT_TRUE(made.ok()) << to_line(made.error());
-            ASSERT_EQ(made.value().report.sections.size(), 6u);
-            for (const SliceSectionReport& cut : made.value().report.sections)
+            ASSERT_EQ(made.value().report.contours.sections.size(), 6u);
+            for (const SliceSectionReport& cut : made.value().report.contours.sections)
                 EXPECT_LE(cut.difference_mm2, 1e-3 * cut.drawn_mm2) << cut.slice;
         }
     }
@@ -412,8 +412,8 @@ TEST(BuildModel, C22_pairs_that_no_triangles_join_without_new_points) {
             const Model model = certified_model(drawing);
             ASSERT_EQ(model.report.structures.size(), 1u);
             const double drawn = std::abs(signed_area(winding)) + signed_area(triangle(9, turned));
-            EXPECT_EQ(model.report.structures[0].components, 1u);
-            EXPECT_NEAR(model.report.structures[0].volume_mesh_mm3, 4 * drawn, 0.15 * 4 * drawn);
+            EXPECT_EQ(model.report.structures[0].surface.components, 1u);
+            EXPECT_NEAR(model.report.structures[0].volume.mesh_mm3, 4 * drawn, 0.15 * 4 * drawn);
         }
     }
 }
@@ -443,7 +443,7 @@ TEST(BuildModel, the_work_is_counted_the_same_each_time) {
         context.threads = threads;
         const auto made = build_model(set, {}, context);
         EXPECT_TRUE(made.ok());
-        return made.ok() ? made.value().report.work : WorkReport{};
+        return made.ok() ? made.value().report.run.work : WorkReport{};
     };
     const WorkReport first = work(1), again = work(1), two = work(2);
     EXPECT_EQ(first.meshings, 1u);
@@ -577,7 +577,7 @@ TEST(BuildModel, RS11_contours_a_little_off_their_plane_are_not_taken_for_missed
     RunContext context;
     const auto model = build_model(set, {}, context);
     ASSERT_TRUE(model.ok());
-    for (const SliceSectionReport& cut : model.value().report.sections) {
+    for (const SliceSectionReport& cut : model.value().report.contours.sections) {
         EXPECT_LT(cut.difference_mm2, 0.001 * cut.drawn_mm2) << cut.slice;
     }
     for (const Warning& warning : context.warnings) EXPECT_NE(warning.code, "W-PIP-003") << warning.message;

@@ -40,14 +40,14 @@ TEST(CheckModel, FindsOfAModelWhatItsOwnReportSays) {
     input.made_by_this_run = false;
     RunContext context;
     ModelReport report;
-    check_model(input, {model.report.size_mm, nullptr, "drawn.json", "model.vtu"}, context, report);
-    EXPECT_EQ(report.size_mm, model.report.size_mm);
-    EXPECT_EQ(report.tetrahedra, model.mesh.cells.size());
+    check_model(input, {model.report.lengths.size_mm, nullptr, "drawn.json", "model.vtu"}, context, report);
+    EXPECT_EQ(report.lengths.size_mm, model.report.lengths.size_mm);
+    EXPECT_EQ(report.counts.tetrahedra, model.mesh.cells.size());
     ASSERT_EQ(report.structures.size(), 2u);
     for (std::size_t s = 0; s < 2; ++s) {
-        EXPECT_EQ(report.structures[s].genus, model.report.structures[s].genus);
-        EXPECT_EQ(report.structures[s].contour_segments_on_surface,
-                  model.report.structures[s].contour_segments_on_surface);
+        EXPECT_EQ(report.structures[s].surface.genus, model.report.structures[s].surface.genus);
+        EXPECT_EQ(report.structures[s].fidelity.segments_on_surface,
+                  model.report.structures[s].fidelity.segments_on_surface);
     }
     EXPECT_FALSE(any_broken(report.certificate));
     EXPECT_EQ(count(context, "W-PIP-004"), 0u);
@@ -66,7 +66,7 @@ TEST(CheckModel, ContoursOffTheSurfaceBreakAClause) {
     ModelReport report;
     check_model(input, {}, context, report);
     EXPECT_TRUE(any_broken(report.certificate));
-    EXPECT_EQ(report.size_mm, 0);
+    EXPECT_EQ(report.lengths.size_mm, 0);
 }
 
 TEST(CheckModel, FoldedElementsAreWarnedOf) {

@@ -102,10 +102,10 @@ struct Missed {
 
     void count(const ModelReport& report) {
         for (const StructureReport& structure : report.structures) {
-            missed += structure.contour_segments - structure.contour_segments_on_surface;
-            segments += structure.contour_segments;
+            missed += structure.fidelity.segments - structure.fidelity.segments_on_surface;
+            segments += structure.fidelity.segments;
         }
-        for (const ListedCell& cell : report.listed_cells)
+        for (const ListedCell& cell : report.listed_cells.cells)
             unforced += cell.forced_by.empty() && (cell.value > 4 || cell.min_dihedral_deg < 10);
     }
 };
@@ -135,8 +135,8 @@ TEST(CrossingOutlines, of_a_wall_drawn_twice_with_few_vertices_keep_more_of_thei
         const auto made = build(kept(wall_drawn_twice(phase).raw));
         ASSERT_TRUE(made.ok()) << to_line(made.error());
         for (const StructureReport& structure : made.value().report.structures) {
-            EXPECT_EQ(structure.components, 1u);
-            EXPECT_EQ(structure.genus, 0);
+            EXPECT_EQ(structure.surface.components, 1u);
+            EXPECT_EQ(structure.surface.genus, 0);
         }
         all.count(made.value().report);
     }
@@ -185,8 +185,8 @@ TEST(CrossingOutlines, side_by_side_all_round_keep_nearly_all_of_their_segments)
             ASSERT_TRUE(alone.ok()) << to_line(alone.error());
             std::size_t missed = 0, all = 0;
             for (const StructureReport& structure : made.value().report.structures) {
-                missed += structure.contour_segments - structure.contour_segments_on_surface;
-                all += structure.contour_segments;
+                missed += structure.fidelity.segments - structure.fidelity.segments_on_surface;
+                all += structure.fidelity.segments;
             }
             EXPECT_LE(missed, all / 50) << "of " << all;
             EXPECT_LE(made.value().mesh.cells.size(), 30 * alone.value().mesh.cells.size());

@@ -60,7 +60,7 @@ void add_cuts(const LabelMap& map, double size_mm, Cuts& cuts) {
     options.size_mm = size_mm;
     const auto model = build_model(traced.value().kept, options, context);
     ASSERT_TRUE(model.ok()) << to_line(model.error());
-    for (const SliceSectionReport& cut : model.value().report.sections) {
+    for (const SliceSectionReport& cut : model.value().report.contours.sections) {
         ++cuts.count;
         cuts.off += cut.difference_mm2 > 1e-3 * cut.drawn_mm2;
         cuts.wrong += cut.difference_mm2;
@@ -126,7 +126,7 @@ TEST(CutsOfLabelMaps, of_coarse_models_of_thin_walls_are_not_had_by_spikes) {
         options.size_mm = 10;
         const auto model = build_model(traced.value().kept, options, context);
         ASSERT_TRUE(model.ok()) << to_line(model.error());
-        EXPECT_LT(model.value().report.field_distance.max_mm, 0.5 * options.size_mm);
+        EXPECT_LT(model.value().report.field.distance.max_mm, 0.5 * options.size_mm);
     }
 }
 

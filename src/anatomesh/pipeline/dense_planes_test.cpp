@@ -27,12 +27,13 @@ Result<Model> build_spared(const ContourSet& set, RunContext& context) {
 
 double share_of_segments_kept(const Model& model) {
     const StructureReport& ball = model.report.structures[0];
-    return static_cast<double>(ball.contour_segments_on_surface) / static_cast<double>(ball.contour_segments);
+    return static_cast<double>(ball.fidelity.segments_on_surface) /
+           static_cast<double>(ball.fidelity.segments);
 }
 
 // Those of which the contract allows none.
 std::size_t cells_that_nothing_forces(const Model& model) {
-    const std::vector<ListedCell>& cells = model.report.listed_cells;
+    const std::vector<ListedCell>& cells = model.report.listed_cells.cells;
     return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [](const ListedCell& cell) {
         return cell.forced_by.empty() && (cell.value > 4 || cell.min_dihedral_deg < 10);
     }));
@@ -101,7 +102,7 @@ TEST(DensePlanes, say_that_cells_were_left_as_they_come_and_a_given_size_does_mo
     ASSERT_TRUE(first.ok()) << to_line(first.error());
     EXPECT_EQ(count_of(quick, "W-PIP-005"), 1);
     ModelOptions options;
-    options.size_mm = first.value().report.size_mm;
+    options.size_mm = first.value().report.lengths.size_mm;
     const auto second = build_model(dense, options, full);
     ASSERT_TRUE(second.ok()) << to_line(second.error());
     EXPECT_EQ(count_of(full, "W-PIP-005"), 0);

@@ -42,9 +42,9 @@ TEST(FineOutlines, have_cells_as_good_in_the_mean_as_others) {
                 const ModelReport& report = made.value().report;
                 const Clause& clause = report.certificate.at(3);
                 EXPECT_EQ(clause.state, ClauseState::kept) << clause.evidence;
-                EXPECT_LE(report.quality.radius_edge_mean, 0.95) << report.tetrahedra;
-                EXPECT_EQ(report.structures.at(0).contour_segments,
-                          report.structures.at(0).contour_segments_on_surface);
+                EXPECT_LE(report.quality.radius_edge_mean, 0.95) << report.counts.tetrahedra;
+                EXPECT_EQ(report.structures.at(0).fidelity.segments,
+                          report.structures.at(0).fidelity.segments_on_surface);
             }
         }
     }
@@ -93,7 +93,7 @@ TEST(FineOutlines, of_few_thick_slices_have_cells_as_good_in_the_mean_as_others)
         const auto made = build(traced.value().kept);
         ASSERT_TRUE(made.ok()) << to_line(made.error());
         const ModelReport& report = made.value().report;
-        EXPECT_LE(report.quality.radius_edge_mean, 0.95) << report.tetrahedra;
+        EXPECT_LE(report.quality.radius_edge_mean, 0.95) << report.counts.tetrahedra;
         EXPECT_EQ(report.certificate.at(3).state, ClauseState::kept) << report.certificate.at(3).evidence;
     }
 }
@@ -117,7 +117,7 @@ TEST(FineOutlines, of_few_thick_slices_show_the_stages_of_the_model_that_is_take
         ASSERT_TRUE(made.ok()) << to_line(made.error());
         EXPECT_EQ(shown, made.value().mesh.points);
         if (rounds > 1) {
-            EXPECT_EQ(made.value().report.stages.back().name, "other tries");
+            EXPECT_EQ(made.value().report.run.stages.back().name, "other tries");
             ++evened;
         }
         const auto again = build_model(traced.value().kept, {}, context);

@@ -32,17 +32,17 @@ std::vector<std::pair<std::string, std::string>> options_told(const PreparedCont
 // What the report of a model tells of its contours, which build_model() does not know.
 void complete_report(const PreparedContours& prepared, const MakeModelOptions& options,
                      const RunContext& context, ModelReport& report) {
-    report.version = library_version();
-    report.contour_log = prepared.log;
-    report.hole_rule = prepared.hole_rule;
-    report.end_caps = name_of(options.prepare.field.caps);
-    report.space = prepared.kept.frame == Frame::unknown ? "unknown" : "LPS";
-    report.traced_points = prepared.traced_points;
-    report.islands_left_out = prepared.islands_left_out;
-    report.epsilon_mm = prepared.epsilon_mm;
-    report.stages.insert(report.stages.begin(), prepared.stages.begin(), prepared.stages.end());
+    report.provenance.version = library_version();
+    report.contours.log = prepared.log;
+    report.conventions.hole_rule = prepared.hole_rule;
+    report.conventions.end_caps = name_of(options.prepare.field.caps);
+    report.conventions.space = prepared.kept.frame == Frame::unknown ? "unknown" : "LPS";
+    report.counts.traced_points = prepared.traced_points;
+    report.counts.islands_left_out = prepared.islands_left_out;
+    report.lengths.epsilon_mm = prepared.epsilon_mm;
+    report.run.stages.insert(report.run.stages.begin(), prepared.stages.begin(), prepared.stages.end());
     report.crossing = prepared.crossing;
-    report.options = options_told(prepared, options, report.size_mm);
+    report.provenance.options = options_told(prepared, options, report.lengths.size_mm);
     report.warnings = context.warnings;
 }
 

@@ -85,18 +85,18 @@ TEST_P(OneCall, tells_crossing_slices_and_priority) {
     const ModelReport& report = made.value().report;
     const bool crosses = GetParam().name.starts_with("crossing");
     EXPECT_EQ(report.crossing.pairs.empty(), !crosses);
-    EXPECT_EQ(values_of(report.options, "reconcile"),
+    EXPECT_EQ(values_of(report.provenance.options, "reconcile"),
               crosses ? std::vector<std::string>{"1"} : std::vector<std::string>{});
     if (crosses) {
         EXPECT_GT(report.crossing.difference_mm, report.crossing.difference_after_mm);
     }
-    EXPECT_EQ(values_of(report.options, "priority").size(),
+    EXPECT_EQ(values_of(report.provenance.options, "priority").size(),
               GetParam().priority.empty() ? 0 : report.structures.size());
     EXPECT_EQ(made.value().drawn.exclusive, !GetParam().priority.empty());
-    EXPECT_EQ(report.contour_log.size(), GetParam().raw.contours.size());
-    ASSERT_GE(report.stages.size(), 2u);
-    EXPECT_EQ(report.stages[0].name, "contours");
-    EXPECT_EQ(report.stages[1].name, "reconcile");
+    EXPECT_EQ(report.contours.log.size(), GetParam().raw.contours.size());
+    ASSERT_GE(report.run.stages.size(), 2u);
+    EXPECT_EQ(report.run.stages[0].name, "contours");
+    EXPECT_EQ(report.run.stages[1].name, "reconcile");
 }
 
 INSTANTIATE_TEST_SUITE_P(sets, OneCall, ::testing::ValuesIn(fixtures::drawn_sets()),

@@ -227,7 +227,7 @@ void expect_near_drawn(const Model& model, const ContourSet& drawn, double most_
     ASSERT_EQ(kept.contours.size(), drawn.contours.size());
     double reported = 0;
     std::map<std::string, double> reported_in;  // slices
-    for (const RoutedContourReport& routed : model.report.routed_contours) {
+    for (const RoutedContourReport& routed : model.report.contours.routed) {
         reported = std::max(reported, routed.farthest_mm);
         reported_in[routed.slice] = std::max(reported_in[routed.slice], routed.farthest_mm);
     }
@@ -265,8 +265,8 @@ Segments expect_contours_on_surface(const Case& drawn, const ContourSet& kept, c
     }
     EXPECT_EQ(lost, 0u) << "contour vertices off the surface";
     const StructureReport& report = model.report.structures[structure];
-    EXPECT_EQ(report.contour_segments, segments);
-    EXPECT_EQ(report.contour_segments - report.contour_segments_on_surface, broken);
+    EXPECT_EQ(report.fidelity.segments, segments);
+    EXPECT_EQ(report.fidelity.segments - report.fidelity.segments_on_surface, broken);
     EXPECT_LE(broken, most_broken(drawn, segments)) << "of " << segments;
     if (broken > 0) {
         EXPECT_NE(model.report.certificate.at(1).state, ClauseState::kept);
@@ -330,8 +330,9 @@ void expect_near_truth(const Case& drawn, const Model& model, const Bounds& boun
                 "max %.3f spacings; volume %.4g of %.4g: mean offset %.4f spacings; pieces %u genus %lld\n",
                 s, model.mesh.cells.size(), to_truth.mean / drawn.spacing, to_truth.p95 / drawn.spacing,
                 to_truth.max / drawn.spacing, to_model.mean / drawn.spacing, to_model.p95 / drawn.spacing,
-                to_model.max / drawn.spacing, volume, truth, offset, model.report.structures[s].components,
-                static_cast<long long>(model.report.structures[s].genus));
+                to_model.max / drawn.spacing, volume, truth, offset,
+                model.report.structures[s].surface.components,
+                static_cast<long long>(model.report.structures[s].surface.genus));
         }
         EXPECT_LT(to_truth.mean, bounds.mean * drawn.spacing);
         EXPECT_LT(to_truth.p95, bounds.p95 * drawn.spacing);
@@ -403,10 +404,10 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
     // 1e-6 of the longest segments, or what is taken as it is.
     const double off_plane_mm =
         drawn.spoiling == Spoiling::none ? 2e-5 : CleanOptions{}.planes.plane_tolerance_mm;
-    expect_near_drawn(model.value(), kept, 0.6 * model.value().report.size_mm, off_plane_mm);
+    expect_near_drawn(model.value(), kept, 0.6 * model.value().report.lengths.size_mm, off_plane_mm);
     segments.all += own.all;
     segments.broken += own.broken;
-    for (const SliceSectionReport& cut : model.value().report.sections) {
+    for (const SliceSectionReport& cut : model.value().report.contours.sections) {
         segments.cuts += cut.drawn_mm2 > 0;
         segments.cuts_off += cut.drawn_mm2 > 0 && cut.difference_mm2 > most_of_a_cut * cut.drawn_mm2;
     }

@@ -89,7 +89,7 @@ TEST(Relations, turns_by_90_degrees_keep_volume_and_topology) {
         const Model model = model_of(turned.raw);
         for (std::size_t s = 0; s < 2; ++s) {
             const StructureReport& a = reference.report.structures[s];
-            expect_structure(model, s, {a.components, a.genus, a.volume_mesh_mm3, 0.004});
+            expect_structure(model, s, {a.surface.components, a.surface.genus, a.volume.mesh_mm3, 0.004});
         }
         const double cells = static_cast<double>(reference.mesh.cells.size());
         EXPECT_NEAR(static_cast<double>(model.mesh.cells.size()), cells, 0.05 * cells);
@@ -121,7 +121,7 @@ TEST(Relations, a_second_structure_far_away_leaves_the_first_alone) {
     ASSERT_EQ(both.report.structures.size(), 3u);
     for (std::size_t s = 0; s < 2; ++s) {
         const StructureReport& a = alone.report.structures[s];
-        expect_structure(both, s, {a.components, a.genus, a.volume_mesh_mm3, 0.004});
+        expect_structure(both, s, {a.surface.components, a.surface.genus, a.volume.mesh_mm3, 0.004});
     }
 }
 
@@ -170,8 +170,8 @@ SegmentCount expect_random_solid_certified(std::uint32_t seed, std::uint16_t str
     expect_certified(made.value(), traced.value().kept);
     SegmentCount count;
     for (const StructureReport& structure : made.value().report.structures) {
-        count.drawn += structure.contour_segments;
-        count.missed += structure.contour_segments - structure.contour_segments_on_surface;
+        count.drawn += structure.fidelity.segments;
+        count.missed += structure.fidelity.segments - structure.fidelity.segments_on_surface;
     }
     return count;
 }

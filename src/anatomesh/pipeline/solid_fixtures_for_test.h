@@ -28,7 +28,7 @@ inline void expect_certified(const Model& model, const ContourSet& set) {
         if (number == 4 && clause->state == ClauseState::not_promised_yet) {
             // Single cells with a small angle; none with a bad ratio that the contours do not force.
             EXPECT_EQ(clause->evidence.rfind("measured, not met: ", 0), 0u) << clause->evidence;
-            for (const ListedCell& cell : model.report.listed_cells) {
+            for (const ListedCell& cell : model.report.listed_cells.cells) {
                 EXPECT_TRUE(cell.value <= 4.1 || !cell.forced_by.empty()) << clause->evidence;
             }
             continue;
@@ -53,9 +53,9 @@ struct Expected {
 inline void expect_structure(const Model& model, std::size_t structure, const Expected& expected) {
     ASSERT_LT(structure, model.report.structures.size());
     const StructureReport& report = model.report.structures[structure];
-    EXPECT_EQ(report.components, expected.components) << report.name;
-    EXPECT_EQ(report.genus, expected.genus) << report.name;
-    EXPECT_NEAR(report.volume_mesh_mm3, expected.volume, expected.share * expected.volume) << report.name;
+    EXPECT_EQ(report.surface.components, expected.components) << report.name;
+    EXPECT_EQ(report.surface.genus, expected.genus) << report.name;
+    EXPECT_NEAR(report.volume.mesh_mm3, expected.volume, expected.share * expected.volume) << report.name;
 }
 
 // Builds the model of a drawing and checks its certificate.

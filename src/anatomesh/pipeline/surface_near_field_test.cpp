@@ -68,9 +68,9 @@ TEST(SurfaceNearField, structures_that_cross_touch_or_lie_in_each_other_have_no_
                 const auto made = build(kept(drawings[n].raw));
                 ASSERT_TRUE(made.ok()) << to_line(made.error());
                 const ModelReport& report = made.value().report;
-                EXPECT_LT(report.field_distance.max_mm, 0.55 * report.size_mm);
-                EXPECT_GT(report.field_difference.points, 1000u);
-                EXPECT_LT(report.field_difference.max_mm, 0.4 * report.size_mm);
+                EXPECT_LT(report.field.distance.max_mm, 0.55 * report.lengths.size_mm);
+                EXPECT_GT(report.field.difference.points, 1000u);
+                EXPECT_LT(report.field.difference.max_mm, 0.4 * report.lengths.size_mm);
             }
         }
     }
@@ -112,8 +112,8 @@ TEST(SurfaceNearField, parts_that_touch_and_end_reach_to_no_contour_of_the_next_
                 const auto made = build(traced.value().kept);
                 ASSERT_TRUE(made.ok()) << to_line(made.error());
                 const ModelReport& report = made.value().report;
-                EXPECT_LT(report.field_distance.max_mm, 0.65 * report.size_mm);
-                far += report.field_distance.max_mm > 0.45 * report.size_mm;
+                EXPECT_LT(report.field.distance.max_mm, 0.65 * report.lengths.size_mm);
+                far += report.field.distance.max_mm > 0.45 * report.lengths.size_mm;
             }
         }
     }

@@ -39,9 +39,9 @@ TEST(TouchingContours, that_share_walls_in_part_or_leave_each_other_keep_their_s
                 ASSERT_TRUE(made.ok()) << to_line(made.error());
                 std::size_t missed = 0;
                 for (const StructureReport& structure : made.value().report.structures) {
-                    missed += structure.contour_segments - structure.contour_segments_on_surface;
-                    EXPECT_EQ(structure.components, 1u);
-                    EXPECT_EQ(structure.genus, 0);
+                    missed += structure.fidelity.segments - structure.fidelity.segments_on_surface;
+                    EXPECT_EQ(structure.surface.components, 1u);
+                    EXPECT_EQ(structure.surface.genus, 0);
                 }
                 EXPECT_LE(missed, 2u);
                 all_missed += missed;
@@ -83,9 +83,9 @@ TEST(TouchingContours, of_an_organ_drawn_twice_keep_all_segments) {
         const auto made = build(set);
         ASSERT_TRUE(made.ok()) << to_line(made.error());
         for (const StructureReport& structure : made.value().report.structures) {
-            EXPECT_EQ(structure.contour_segments, structure.contour_segments_on_surface);
-            EXPECT_EQ(structure.components, 1u);
-            EXPECT_EQ(structure.genus, 0);
+            EXPECT_EQ(structure.fidelity.segments, structure.fidelity.segments_on_surface);
+            EXPECT_EQ(structure.surface.components, 1u);
+            EXPECT_EQ(structure.surface.genus, 0);
         }
     }
 }
@@ -122,9 +122,9 @@ TEST(TouchingContours, C04_of_a_line_that_crosses_itself_are_parted_or_closed) {
             const bool closed = set.contours.size() == 8;
             EXPECT_EQ(closed, half < 1 || (half == 1 && std::abs(deep) < 6) || deep == -1);
             const StructureReport& structure = made.value().report.structures[0];
-            EXPECT_EQ(structure.components, closed || deep < 0 ? 1u : 2u);
-            EXPECT_EQ(structure.genus, closed || deep > 0 ? 0 : 1);
-            EXPECT_EQ(structure.contour_segments, structure.contour_segments_on_surface);
+            EXPECT_EQ(structure.surface.components, closed || deep < 0 ? 1u : 2u);
+            EXPECT_EQ(structure.surface.genus, closed || deep > 0 ? 0 : 1);
+            EXPECT_EQ(structure.fidelity.segments, structure.fidelity.segments_on_surface);
         }
     }
 }
@@ -157,9 +157,9 @@ TEST(TouchingContours, in_one_vertex_keep_what_is_drawn_beside_it) {
             for (const Clause& clause : made.value().report.certificate)
                 EXPECT_EQ(clause.state, ClauseState::kept) << clause.number << ": " << clause.evidence;
             for (const StructureReport& structure : made.value().report.structures) {
-                EXPECT_EQ(structure.components, 1u);
-                EXPECT_EQ(structure.genus, 0);
-                EXPECT_EQ(structure.contour_segments, structure.contour_segments_on_surface);
+                EXPECT_EQ(structure.surface.components, 1u);
+                EXPECT_EQ(structure.surface.genus, 0);
+                EXPECT_EQ(structure.fidelity.segments, structure.fidelity.segments_on_surface);
             }
         }
     }

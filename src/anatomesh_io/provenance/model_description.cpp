@@ -13,9 +13,9 @@ MeshDescription description_of(const Model& model) {
     MeshDescription description;
     description.structures = model.structures;
     description.regions = model.regions;
-    description.space = report.space;
-    description.notes.emplace_back("version", report.version);
-    for (const auto& [name, value] : report.options)
+    description.space = report.conventions.space;
+    description.notes.emplace_back("version", report.provenance.version);
+    for (const auto& [name, value] : report.provenance.options)
         description.notes.emplace_back("option", name + " " + value);
     std::map<std::string, int> warnings;
     for (const Warning& warning : report.warnings) ++warnings[warning.code];

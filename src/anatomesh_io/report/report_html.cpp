@@ -66,18 +66,19 @@ std::string structure_name(const StructureReport& structure) {
 
 double total_seconds(const ModelReport& report) {
     double total = 0;
-    for (const StageReport& stage : report.stages) total += stage.seconds;
+    for (const StageReport& stage : report.run.stages) total += stage.seconds;
     return total;
 }
 
 std::string heading(const ModelReport& report) {
     std::string files;
-    for (const InputReport& input : report.inputs)
+    for (const InputReport& input : report.provenance.inputs)
         files += (files.empty() ? "" : ", ") + outside_html(input.file);
     const std::size_t count = report.structures.size();
     std::string sub = count == 1 ? "1 structure" : grouped(std::uint64_t{count}) + " structures";
-    sub += report.space == "LPS" ? " &middot; patient coordinates (LPS)" : " &middot; frame unknown";
-    sub += " &middot; millimetres &middot; anatomesh " + escape_html(report.version);
+    sub +=
+        report.conventions.space == "LPS" ? " &middot; patient coordinates (LPS)" : " &middot; frame unknown";
+    sub += " &middot; millimetres &middot; anatomesh " + escape_html(report.provenance.version);
     return "<header><h1>" + (files.empty() ? std::string("Model") : files) + "</h1><p class=\"sub\">" + sub +
            "</p></header>\n";
 }
@@ -87,13 +88,14 @@ std::string tile(const std::string& value, const char* label) {
 }
 
 std::string tiles(const ModelReport& report) {
-    std::string html = "<div class=\"tiles\">" + tile(grouped(report.tetrahedra), "tetrahedra") +
-                       tile(grouped(report.vertices), "vertices") +
-                       tile(grouped(report.surface_triangles), "surface triangles");
-    if (report.contour_vertices > 0) html += tile(grouped(report.contour_vertices), "contour vertices");
-    if (report.slices > 0) html += tile(grouped(report.slices), "slices");
+    std::string html = "<div class=\"tiles\">" + tile(grouped(report.counts.tetrahedra), "tetrahedra") +
+                       tile(grouped(report.counts.vertices), "vertices") +
+                       tile(grouped(report.counts.surface_triangles), "surface triangles");
+    if (report.counts.contour_vertices > 0)
+        html += tile(grouped(report.counts.contour_vertices), "contour vertices");
+    if (report.counts.slices > 0) html += tile(grouped(report.counts.slices), "slices");
     html += tile(grouped(report.quality.radius_edge_mean, 2), "mean radius-edge");
-    if (!report.stages.empty()) html += tile(grouped(total_seconds(report), 2) + " s", "all stages");
+    if (!report.run.stages.empty()) html += tile(grouped(total_seconds(report), 2) + " s", "all stages");
     return html + "</div>\n";
 }
 
@@ -182,21 +184,22 @@ std::string milliliters(double mm3) {
 std::string structures(const ModelReport& report) {
     std::string rows;
     for (const StructureReport& s : report.structures) {
-        const std::string on = s.contour_vertices > 0 ? grouped(s.contour_vertices_on_surface) + " of " +
-                                                            grouped(s.contour_vertices)
-                                                      : std::string("&ndash;");
+        const std::string on = s.fidelity.vertices > 0 ? grouped(s.fidelity.vertices_on_surface) + " of " +
+                                                             grouped(s.fidelity.vertices)
+                                                       : std::string("&ndash;");
         rows +=
             row(text_cell(color_chip(s.color) + structure_name(s)) + number_cell(std::to_string(s.number)) +
-                number_cell(grouped(s.tetrahedra)) + number_cell(grouped(s.surface_triangles)) +
-                number_cell(milliliters(s.volume_mesh_mm3)) + number_cell(milliliters(s.volume_field_mm3)) +
-                number_cell(milliliters(s.volume_slices_mm3)) + number_cell(grouped(s.area_mm2 / 100, 1)) +
+                number_cell(grouped(s.tetrahedra)) + number_cell(grouped(s.surface.triangles)) +
+                number_cell(milliliters(s.volume.mesh_mm3)) + number_cell(milliliters(s.volume.field_mm3)) +
+                number_cell(milliliters(s.volume.slices_mm3)) +
+                number_cell(grouped(s.surface.area_mm2 / 100, 1)) +
                 number_cell(grouped(std::uint64_t{s.pieces})) +
-                number_cell(grouped(std::uint64_t{s.components})) + number_cell(std::to_string(s.genus)) +
-                number_cell(on));
+                number_cell(grouped(std::uint64_t{s.surface.components})) +
+                number_cell(std::to_string(s.surface.genus)) + number_cell(on));
     }
     std::string rule;
-    if (!report.end_caps.empty())
-        rule = "<p class=\"note\">End caps: " + outside_html(report.end_caps) + ".</p>";
+    if (!report.conventions.end_caps.empty())
+        rule = "<p class=\"note\">End caps: " + outside_html(report.conventions.end_caps) + ".</p>";
     return section("Structures",
                    table({"Structure", "#No.", "#Tetrahedra", "#Triangles", "#Volume by mesh, ml",
                           "#by field, ml", "#by slices, ml", "#Surface, cm&sup2;", "#Pieces", "#Shells",
@@ -217,12 +220,12 @@ std::string stage_figures(const StageReport& stage) {
 }
 
 std::string stages(const ModelReport& report) {
-    if (report.stages.empty()) return {};
+    if (report.run.stages.empty()) return {};
     const double total = total_seconds(report);
     double longest = 0;
-    for (const StageReport& stage : report.stages) longest = std::max(longest, stage.seconds);
+    for (const StageReport& stage : report.run.stages) longest = std::max(longest, stage.seconds);
     std::string rows;
-    for (const StageReport& stage : report.stages) {
+    for (const StageReport& stage : report.run.stages) {
         const double share = longest > 0 ? 100 * stage.seconds / longest : 0;
         rows += row(cell(escape_html(stage.name)) + number_cell(grouped(stage.seconds, 3)) +
                     "<td style=\"width:22%\"><div class=\"bar\" style=\"width:" + fixed_text(share, 1) +
@@ -236,25 +239,25 @@ std::string stages(const ModelReport& report) {
 
 // Archip et al. 2006, the skull, as published there.
 std::string beside_the_paper(const ModelReport& report) {
-    if (report.contour_vertices == 0) return {};
+    if (report.counts.contour_vertices == 0) return {};
     const auto line = [](const char* what, const std::string& ours, const char* theirs) {
         return row(cell(what) + number_cell(ours) + number_cell(theirs));
     };
     const double seconds = total_seconds(report);
     const std::string spacing =
-        report.slice_spacing_mm > 0 ? grouped(report.slice_spacing_mm, 2) + " mm" : "&ndash;";
+        report.lengths.slice_spacing_mm > 0 ? grouped(report.lengths.slice_spacing_mm, 2) + " mm" : "&ndash;";
     std::string rows =
-        line("Slices", grouped(report.slices), "55") + line("Slice spacing", spacing, "3 mm") +
-        line("Points (contour vertices)", grouped(report.contour_vertices), "22&#8239;900") +
-        line("Tetrahedra", grouped(report.tetrahedra), "172&#8239;500") +
-        line("Share culled", fixed_text(100 * report.share_culled, 1) + " %", "up to 40 %") +
+        line("Slices", grouped(report.counts.slices), "55") + line("Slice spacing", spacing, "3 mm") +
+        line("Points (contour vertices)", grouped(report.counts.contour_vertices), "22&#8239;900") +
+        line("Tetrahedra", grouped(report.counts.tetrahedra), "172&#8239;500") +
+        line("Share culled", fixed_text(100 * report.meshing.share_culled, 1) + " %", "up to 40 %") +
         line("Mean radius-edge ratio before refinement",
-             report.radius_edge_mean_before_refinement > 0
-                 ? grouped(report.radius_edge_mean_before_refinement, 2)
+             report.meshing.radius_edge_mean_before_refinement > 0
+                 ? grouped(report.meshing.radius_edge_mean_before_refinement, 2)
                  : std::string("&ndash;"),
              "2.0") +
         line("Mean radius-edge ratio after refinement", grouped(report.quality.radius_edge_mean, 2), "0.9") +
-        line("Time, all stages", report.stages.empty() ? "&ndash;" : grouped(seconds, 2) + " s", "10 s");
+        line("Time, all stages", report.run.stages.empty() ? "&ndash;" : grouped(seconds, 2) + " s", "10 s");
     return section("Beside the paper's skull",
                    table({"", "#This model", "#Archip et al. 2006, as published"}, rows) +
                        "<p class=\"note\">N. Archip, R. Rohling, V. Dessenne, P.-J. Erard, L.-P. Nolte: "
@@ -299,28 +302,28 @@ std::string warnings(const ModelReport& report) {
 }
 
 std::string listed_cells(const ModelReport& report) {
-    if (report.listed_cells_total == 0) return {};
+    if (report.listed_cells.total == 0) return {};
     std::string rows;
-    const std::size_t shown = std::min(report.listed_cells.size(), max_listed_rows);
+    const std::size_t shown = std::min(report.listed_cells.cells.size(), max_listed_rows);
     for (std::size_t i = 0; i < shown; ++i) {
-        const ListedCell& listed = report.listed_cells[i];
+        const ListedCell& listed = report.listed_cells.cells[i];
         rows += row(number_cell(std::to_string(listed.cell)) + number_cell(grouped(listed.value, 2)) +
                     number_cell(grouped(listed.min_dihedral_deg, 2)) + number_cell(grouped(listed.at[0], 2)) +
                     number_cell(grouped(listed.at[1], 2)) + number_cell(grouped(listed.at[2], 2)) +
                     text_cell(listed.forced_by.empty() ? "&ndash;" : outside_html(listed.forced_by)));
     }
     return folded("Tetrahedra with a radius-edge ratio above 2 or an angle below 10 degrees",
-                  report.listed_cells_total,
+                  report.listed_cells.total,
                   table({"#Cell", "#Ratio", "#Angle", "#x, mm", "#y, mm", "#z, mm", "Forced by"}, rows) +
-                      more_rows(shown, report.listed_cells_total));
+                      more_rows(shown, report.listed_cells.total));
 }
 
 std::string contour_log(const ModelReport& report) {
-    if (report.contour_log.empty()) return {};
+    if (report.contours.log.empty()) return {};
     std::string rows;
-    const std::size_t shown = std::min(report.contour_log.size(), max_log_rows);
+    const std::size_t shown = std::min(report.contours.log.size(), max_log_rows);
     for (std::size_t i = 0; i < shown; ++i) {
-        const ContourReport& entry = report.contour_log[i];
+        const ContourReport& entry = report.contours.log[i];
         rows += row(text_cell(outside_html(entry.structure)) + text_cell(outside_html(entry.slice)) +
                     text_cell(outside_html(entry.name)) + text_cell(outside_html(entry.rule)) +
                     number_cell(grouped(std::uint64_t{entry.points_in})) +
@@ -328,28 +331,29 @@ std::string contour_log(const ModelReport& report) {
                     number_cell(grouped(entry.max_displacement_mm, 3)) +
                     number_cell(grouped(entry.area_change_mm2, 3)));
     }
-    return folded("How the contours were read", report.contour_log.size(),
+    return folded("How the contours were read", report.contours.log.size(),
                   table({"Structure", "Slice", "Contour", "Rule", "#Points in", "#Points kept",
                          "#Largest move in reading, mm", "#Area changed, mm&sup2;"},
                         rows) +
-                      more_rows(shown, report.contour_log.size()));
+                      more_rows(shown, report.contours.log.size()));
 }
 
 std::string origin(const ModelReport& report) {
     std::string inputs, options;
-    for (const InputReport& input : report.inputs) {
+    for (const InputReport& input : report.provenance.inputs) {
         inputs += row(text_cell(outside_html(input.file)) + cell(escape_html(input.format)) +
                       number_cell(grouped(input.bytes)) + "<td class=\"text mono\">" +
                       escape_html(input.sha256) + "</td>");
     }
-    for (const auto& [name, value] : report.options) {
+    for (const auto& [name, value] : report.provenance.options) {
         options += row(cell(escape_html(name)) + text_cell(outside_html(value)));
     }
-    for (const auto& [name, version] : report.libraries) {
+    for (const auto& [name, version] : report.provenance.libraries) {
         options += row(cell(escape_html(name)) + text_cell(outside_html(version)));
     }
     std::string content;
-    if (!report.command.empty()) content += "<p class=\"mono text\">" + outside_html(report.command) + "</p>";
+    if (!report.provenance.command.empty())
+        content += "<p class=\"mono text\">" + outside_html(report.provenance.command) + "</p>";
     if (!inputs.empty())
         content += "<h3>Inputs</h3>" + table({"File", "Format", "#Bytes", "SHA-256"}, inputs);
     if (!options.empty())
@@ -375,14 +379,15 @@ std::string report_html(const ModelReport& report, const TetMesh& mesh, const Re
         "script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\">\n"
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"referrer\" "
         "content=\"no-referrer\">\n<title>";
-    html += report.inputs.empty() ? std::string("Model") : escape_html(report.inputs.front().file);
+    html += report.provenance.inputs.empty() ? std::string("Model")
+                                             : escape_html(report.provenance.inputs.front().file);
     html += " - anatomesh</title>\n<style>";
     html += report_style;
     html += "</style>\n</head>\n<body>\n<main>\n";
     html += heading(report) + tiles(report) + viewer(report, scene) + certificate(report) + quality(report) +
             structures(report) + contour_and_distance(contours) + stages(report) + beside_the_paper(report) +
             warnings(report) + listed_cells(report) + contour_log(report) + origin(report);
-    html += "<footer>Made by anatomesh " + escape_html(report.version) +
+    html += "<footer>Made by anatomesh " + escape_html(report.provenance.version) +
             ". Not a certified medical device.</footer>\n</main>\n" + scene.html + "<script>";
     html += report_viewer_script;
     return html + "</script>\n</body>\n</html>\n";

@@ -50,7 +50,7 @@ Json inputs_json(std::vector<InputReport> inputs) {
 }
 
 Json options_but_threads(const ModelReport& report) {
-    Json options = options_json(report.options);
+    Json options = options_json(report.provenance.options);
     options.erase("threads");
     return options;
 }
@@ -62,13 +62,13 @@ Json structures_json(const ModelReport& report) {
                         {"name", s.name},
                         {"color", s.color},
                         {"tetrahedra", s.tetrahedra},
-                        {"surface_triangles", s.surface_triangles},
-                        {"surface_vertices", s.surface_vertices},
-                        {"volume_mesh_mm3", number(s.volume_mesh_mm3)},
-                        {"volume_field_mm3", known(s.volume_field_mm3)},
-                        {"volume_slices_mm3", known(s.volume_slices_mm3)},
-                        {"area_mm2", number(s.area_mm2)},
-                        {"components", s.components},
+                        {"surface_triangles", s.surface.triangles},
+                        {"surface_vertices", s.surface.vertices},
+                        {"volume_mesh_mm3", number(s.volume.mesh_mm3)},
+                        {"volume_field_mm3", known(s.volume.field_mm3)},
+                        {"volume_slices_mm3", known(s.volume.slices_mm3)},
+                        {"area_mm2", number(s.surface.area_mm2)},
+                        {"components", s.surface.components},
                         {"pieces", s.pieces},
                         {"voids", s.shells.voids},
                         {"smallest_shell_mm3", number(s.shells.smallest_mm3)},
@@ -76,15 +76,15 @@ Json structures_json(const ModelReport& report) {
                         {"shells_without_contour_mm3", number(s.shells.without_contour_mm3)},
                         {"contours_in_parts", s.shells.contours_in_parts},
                         {"parts_too_many", s.shells.parts_too_many},
-                        {"genus", s.genus},
-                        {"open_edges", s.open_edges},
-                        {"nonmanifold_edges", s.nonmanifold_edges},
-                        {"nonmanifold_vertices", s.nonmanifold_vertices},
-                        {"contour_vertices", s.contour_vertices},
-                        {"contour_vertices_on_surface", s.contour_vertices_on_surface},
-                        {"contour_segments", s.contour_segments},
-                        {"contour_segments_on_surface", s.contour_segments_on_surface},
-                        {"contour_segments_contradicted", s.contour_segments_contradicted}});
+                        {"genus", s.surface.genus},
+                        {"open_edges", s.surface.open_edges},
+                        {"nonmanifold_edges", s.surface.nonmanifold_edges},
+                        {"nonmanifold_vertices", s.surface.nonmanifold_vertices},
+                        {"contour_vertices", s.fidelity.vertices},
+                        {"contour_vertices_on_surface", s.fidelity.vertices_on_surface},
+                        {"contour_segments", s.fidelity.segments},
+                        {"contour_segments_on_surface", s.fidelity.segments_on_surface},
+                        {"contour_segments_contradicted", s.fidelity.segments_contradicted}});
     }
     return list;
 }
@@ -126,7 +126,7 @@ Json certificate_json(const ModelReport& report) {
 
 Json listed_cells_json(const ModelReport& report) {
     Json cells = Json::array();
-    for (const ListedCell& cell : report.listed_cells) {
+    for (const ListedCell& cell : report.listed_cells.cells) {
         cells.push_back({{"cell", cell.cell},
                          {"radius_edge", number(cell.value)},
                          {"min_dihedral_deg", number(cell.min_dihedral_deg)},
@@ -135,14 +135,14 @@ Json listed_cells_json(const ModelReport& report) {
     }
     return {{"radius_edge_above", 2.0},
             {"dihedral_deg_below", 10.0},
-            {"total", report.listed_cells_total},
-            {"forced_by_input", report.listed_cells_forced},
+            {"total", report.listed_cells.total},
+            {"forced_by_input", report.listed_cells.forced},
             {"cells", std::move(cells)}};
 }
 
 Json contour_log_json(const ModelReport& report) {
     Json list = Json::array();
-    for (const ContourReport& entry : report.contour_log) {
+    for (const ContourReport& entry : report.contours.log) {
         list.push_back({{"structure", entry.structure},
                         {"slice", entry.slice},
                         {"name", entry.name},
@@ -157,7 +157,7 @@ Json contour_log_json(const ModelReport& report) {
 
 Json cuts_json(const ModelReport& report) {
     Json cuts = Json::array();
-    for (const SliceSectionReport& cut : report.sections) {
+    for (const SliceSectionReport& cut : report.contours.sections) {
         cuts.push_back({{"structure", cut.structure},
                         {"slice", cut.slice},
                         {"drawn_mm2", number(cut.drawn_mm2)},
@@ -169,7 +169,7 @@ Json cuts_json(const ModelReport& report) {
 
 Json routed_contours_json(const ModelReport& report) {
     Json routed = Json::array();
-    for (const RoutedContourReport& contour : report.routed_contours) {
+    for (const RoutedContourReport& contour : report.contours.routed) {
         routed.push_back({{"structure", contour.structure},
                           {"slice", contour.slice},
                           {"segments", contour.segments},
@@ -230,7 +230,7 @@ Json crossing_json(const CrossingReport& crossing) {
 
 Json stages_json(const ModelReport& report) {
     Json list = Json::array();
-    for (const StageReport& stage : report.stages) {
+    for (const StageReport& stage : report.run.stages) {
         Json figures = Json::object();
         for (const auto& [name, value] : stage.figures) figures[name] = number(value);
         list.push_back({{"name", stage.name},
@@ -267,49 +267,49 @@ Json work_json(const WorkReport& work) {
 Json timing_json(const ModelReport& report) {
     Json stages = Json::array();
     double total = 0;
-    for (const StageReport& stage : report.stages) {
+    for (const StageReport& stage : report.run.stages) {
         total += stage.seconds;
         stages.push_back({{"name", stage.name}, {"seconds", number(stage.seconds)}});
     }
-    Json timing{{"command", report.command}};
-    for (const auto& [name, value] : report.options) {
+    Json timing{{"command", report.provenance.command}};
+    for (const auto& [name, value] : report.provenance.options) {
         if (name == "threads") timing["threads"] = value;
     }
     timing["total_seconds"] = number(total);
     timing["stages"] = std::move(stages);
-    timing["work"] = work_json(report.work);
+    timing["work"] = work_json(report.run.work);
     return timing;
 }
 
 }  // namespace
 
 std::string report_json(const ModelReport& report) {
-    Json versions{{"anatomesh", report.version}};
-    for (const auto& [name, version] : report.libraries) versions[name] = version;
+    Json versions{{"anatomesh", report.provenance.version}};
+    for (const auto& [name, version] : report.provenance.libraries) versions[name] = version;
     Json json{
         {"format", "anatomesh-report"},
         {"format_version", 1},
         {"versions", std::move(versions)},
-        {"inputs", inputs_json(report.inputs)},
+        {"inputs", inputs_json(report.provenance.inputs)},
         {"options", options_but_threads(report)},
-        {"space", report.space},
-        {"unit", report.unit},
-        {"rules", {{"holes", report.hole_rule}, {"end_caps", report.end_caps}}},
+        {"space", report.conventions.space},
+        {"unit", report.conventions.unit},
+        {"rules", {{"holes", report.conventions.hole_rule}, {"end_caps", report.conventions.end_caps}}},
         {"counts",
-         {{"tetrahedra", report.tetrahedra},
-          {"vertices", report.vertices},
-          {"surface_triangles", report.surface_triangles},
-          {"slices", report.slices},
-          {"contours", report.contours},
-          {"contour_vertices", report.contour_vertices},
-          {"traced_points", report.traced_points},
-          {"islands_left_out", report.islands_left_out}}},
+         {{"tetrahedra", report.counts.tetrahedra},
+          {"vertices", report.counts.vertices},
+          {"surface_triangles", report.counts.surface_triangles},
+          {"slices", report.counts.slices},
+          {"contours", report.counts.contours},
+          {"contour_vertices", report.counts.contour_vertices},
+          {"traced_points", report.counts.traced_points},
+          {"islands_left_out", report.counts.islands_left_out}}},
         {"sizes",
-         {{"epsilon_mm", number(report.epsilon_mm)},
-          {"size_mm", number(report.size_mm)},
-          {"slice_spacing_mm", number(report.slice_spacing_mm)}}},
-        {"share_culled", number(report.share_culled)},
-        {"radius_edge_mean_before_refinement", number(report.radius_edge_mean_before_refinement)},
+         {{"epsilon_mm", number(report.lengths.epsilon_mm)},
+          {"size_mm", number(report.lengths.size_mm)},
+          {"slice_spacing_mm", number(report.lengths.slice_spacing_mm)}}},
+        {"share_culled", number(report.meshing.share_culled)},
+        {"radius_edge_mean_before_refinement", number(report.meshing.radius_edge_mean_before_refinement)},
         {"structures", structures_json(report)},
         {"regions", report.regions},
         {"quality", quality_json(report.quality)},
@@ -319,8 +319,8 @@ std::string report_json(const ModelReport& report) {
         {"contour_log", contour_log_json(report)},
         {"cuts", cuts_json(report)},
         {"followed_contours", routed_contours_json(report)},
-        {"field_distance", field_distance_json(report.field_distance)},
-        {"field_difference", field_difference_json(report.field_difference)},
+        {"field_distance", field_distance_json(report.field.distance)},
+        {"field_difference", field_difference_json(report.field.difference)},
         {"stages", stages_json(report)},
         {"timing", timing_json(report)},
     };

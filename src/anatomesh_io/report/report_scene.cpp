@@ -57,7 +57,7 @@ std::string scene_json(const ModelReport& report, const RegionTable& regions, co
         structures.push_back({{"color", structure.color}});
     const nlohmann::ordered_json json{{"low", grid.low},
                                       {"step", grid.step},
-                                      {"patient", report.space == "LPS"},
+                                      {"patient", report.conventions.space == "LPS"},
                                       {"structures", std::move(structures)},
                                       {"regions", regions.members}};
     return "<script type=\"application/json\" id=\"scene\">" + json.dump() + "</script>\n";

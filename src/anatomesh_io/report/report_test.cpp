@@ -40,20 +40,20 @@ struct Sample {
         RunContext context;
         const std::vector<double> volumes{60000, 60000};
         measure_model({mesh, regions, structures, &contours, volumes}, context, report);
-        report.version = "0.1.0";
-        report.command = "anatomesh model " + hostile;
-        report.libraries = {{"CGAL", "5.5.1"}};
-        report.inputs = {{"b.nii", "NIfTI-1", std::string(64, 'b'), 10},
-                         {hostile, "NRRD", std::string(64, 'a'), 20}};
-        report.options = {{"size", hostile}, {"threads", "2"}};
-        report.hole_rule = "even-odd";
-        report.end_caps = "half";
-        report.share_culled = 0.25;
-        report.stages = {{"cull", 0.5, 10, 20, {{"culled_share", 0.25}}}, {"refine", 1.5, 30, 40, {}}};
+        report.provenance.version = "0.1.0";
+        report.provenance.command = "anatomesh model " + hostile;
+        report.provenance.libraries = {{"CGAL", "5.5.1"}};
+        report.provenance.inputs = {{"b.nii", "NIfTI-1", std::string(64, 'b'), 10},
+                                    {hostile, "NRRD", std::string(64, 'a'), 20}};
+        report.provenance.options = {{"size", hostile}, {"threads", "2"}};
+        report.conventions.hole_rule = "even-odd";
+        report.conventions.end_caps = "half";
+        report.meshing.share_culled = 0.25;
+        report.run.stages = {{"cull", 0.5, 10, 20, {{"culled_share", 0.25}}}, {"refine", 1.5, 30, 40, {}}};
         report.warnings = {{"W-CON-001", hostile, {hostile, hostile, hostile, hostile, hostile}, hostile}};
-        report.contour_log = {{hostile, hostile, hostile, hostile, 5, 4, 0.1, 0.2}};
-        report.listed_cells.push_back({1, 3.5, 4.5, {1, 2, 3}, hostile});
-        report.listed_cells_total = 1;
+        report.contours.log = {{hostile, hostile, hostile, hostile, 5, 4, 0.1, 0.2}};
+        report.listed_cells.cells.push_back({1, 3.5, 4.5, {1, 2, 3}, hostile});
+        report.listed_cells.total = 1;
     }
     std::string page() const { return report_html(report, mesh, regions, &contours); }
 };
@@ -66,7 +66,7 @@ TEST(ReportJson, is_valid_against_its_schema) {
     const std::filesystem::path file =
         std::filesystem::path(::testing::TempDir()) / "anatomesh_report_test.json";
     Sample sample;
-    for (const char* name : {"1", "2"}) sample.report.options.emplace_back("structure", name);
+    for (const char* name : {"1", "2"}) sample.report.provenance.options.emplace_back("structure", name);
     std::ofstream(file) << report_json(sample.report);
     const std::string script = std::string(ANATOMESH_SOURCE_DIR) + "/tests/formats/report_schema_test.py";
     EXPECT_EQ(std::system((python + " '" + script + "' '" + file.string() + "'").c_str()), 0);
@@ -81,11 +81,11 @@ TEST(ReportJson, is_valid_against_its_schema) {
 
 TEST(ReportJson, two_runs_differ_in_timing_alone) {
     Sample one, two;
-    two.report.command = "anatomesh model --threads 7 x";
-    two.report.stages[0].seconds = 9;
-    two.report.work = {1, 2, 3, 4};
-    two.report.options[1].second = "7";
-    std::reverse(two.report.inputs.begin(), two.report.inputs.end());
+    two.report.provenance.command = "anatomesh model --threads 7 x";
+    two.report.run.stages[0].seconds = 9;
+    two.report.run.work = {1, 2, 3, 4};
+    two.report.provenance.options[1].second = "7";
+    std::reverse(two.report.provenance.inputs.begin(), two.report.provenance.inputs.end());
     auto a = nlohmann::ordered_json::parse(report_json(one.report));
     auto b = nlohmann::ordered_json::parse(report_json(two.report));
     EXPECT_NE(a.dump(), b.dump());
@@ -103,15 +103,16 @@ TEST(ReportJson, two_runs_differ_in_timing_alone) {
 
 TEST(ReportJson, an_option_that_was_repeated_has_all_its_values) {
     Sample sample;
-    for (const char* name : {"GTV", "CTV", "PTV1"}) sample.report.options.emplace_back("priority", name);
+    for (const char* name : {"GTV", "CTV", "PTV1"})
+        sample.report.provenance.options.emplace_back("priority", name);
     const auto options = nlohmann::ordered_json::parse(report_json(sample.report))["options"];
     EXPECT_EQ(options["priority"], nlohmann::ordered_json({"GTV", "CTV", "PTV1"}));
-    EXPECT_TRUE(options[sample.report.options[0].first].is_string());
+    EXPECT_TRUE(options[sample.report.provenance.options[0].first].is_string());
 }
 
 TEST(ReportJson, what_is_not_known_is_null) {
     Sample sample;
-    sample.report.structures[0].volume_field_mm3 = 0;
+    sample.report.structures[0].volume.field_mm3 = 0;
     sample.report.quality.radius_edge_max = std::numeric_limits<double>::infinity();
     const auto json = nlohmann::json::parse(report_json(sample.report));
     EXPECT_TRUE(json["structures"][0]["volume_field_mm3"].is_null());

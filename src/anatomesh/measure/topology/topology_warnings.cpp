@@ -132,7 +132,7 @@ std::vector<SpuriousJoint> small_ones(const TopologyInput& model,
                                       std::span<const std::vector<Triangle>> surfaces) {
     std::vector<SpuriousJoint> joints;
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-        if (surfaces[s].empty() || model.structures[model.structure_of[s]].genus <= 0) continue;
+        if (surfaces[s].empty() || model.structures[model.structure_of[s]].surface.genus <= 0) continue;
         for (const SmallHandles& part :
              spurious_handles(model.mesh.points, surfaces[s], s, {model.contours.contours, model.vertex_of},
                               spurious_handle_reach * model.size_mm)) {
@@ -156,7 +156,7 @@ TopologyFindings check_topology(const TopologyInput& model, int threads) {
         if (model.structure_of[s] >= model.structures.size()) continue;
         // Without a handle no wall is torn, and where no slice shows two contours no gap is filled.
         const StructureReport& structure = model.structures[model.structure_of[s]];
-        const bool one_shell = structure.genus <= 0 && structure.components <= 1;
+        const bool one_shell = structure.surface.genus <= 0 && structure.surface.components <= 1;
         if (one_shell && !several[s]) continue;
         surfaces[s] = structure_surface(model.mesh, model.neighbors, model.regions,
                                         static_cast<std::uint32_t>(model.structure_of[s]), threads);

@@ -44,7 +44,7 @@ std::string at_text(const std::array<double, 3>& at) {
 void warn_of_cuts(const ModelReport& report, const std::string& file, RunContext& context) {
     const SliceSectionReport* worst = nullptr;
     std::size_t count = 0;
-    for (const SliceSectionReport& cut : report.sections) {
+    for (const SliceSectionReport& cut : report.contours.sections) {
         if (!(cut.difference_mm2 > widest_cut * cut.drawn_mm2)) continue;
         ++count;
         const bool worse =
@@ -72,12 +72,12 @@ void warn_of_segments(const ModelReport& report, const std::string& file, RunCon
     std::uint64_t missed = 0, all = 0, contradicted = 0;
     const StructureReport* worst = nullptr;
     const auto missed_of = [](const StructureReport& s) {
-        return s.contour_segments - s.contour_segments_on_surface;
+        return s.fidelity.segments - s.fidelity.segments_on_surface;
     };
     for (const StructureReport& structure : report.structures) {
         missed += missed_of(structure);
-        all += structure.contour_segments;
-        contradicted += structure.contour_segments_contradicted;
+        all += structure.fidelity.segments;
+        contradicted += structure.fidelity.segments_contradicted;
         if (!worst || missed_of(structure) > missed_of(*worst)) worst = &structure;
     }
     if (missed == 0) return;
@@ -101,7 +101,7 @@ void warn_of_segments(const ModelReport& report, const std::string& file, RunCon
 }
 
 void warn_of_routed(const ModelReport& report, const std::string& file, RunContext& context) {
-    const std::vector<RoutedContourReport>& contours = report.routed_contours;
+    const std::vector<RoutedContourReport>& contours = report.contours.routed;
     if (contours.empty()) return;
     std::uint64_t segments = 0, left = 0;
     const RoutedContourReport* farthest = &contours.front();
@@ -153,7 +153,7 @@ void warn_of_shells(const StructureReport& structure, const std::string& file, R
 
 void warn_of_distance(const ModelReport& report, double size_mm, const std::string& file,
                       RunContext& context) {
-    const FieldDistanceReport& distance = report.field_distance;
+    const FieldDistanceReport& distance = report.field.distance;
     if (distance.points == 0 || (distance.max_mm <= widest_distance * size_mm && !distance.at_least)) return;
     Place place;
     place.file = file;
@@ -171,7 +171,7 @@ void warn_of_distance(const ModelReport& report, double size_mm, const std::stri
 
 // Thinner than an edge is long, and yet not so thin that the mesh may leave it out.
 void warn_of_joints(const ModelReport& report, double size_mm, const std::string& file, RunContext& context) {
-    const FieldDistanceReport& distance = report.field_distance;
+    const FieldDistanceReport& distance = report.field.distance;
     if (distance.points == 0 || !(distance.joined_mm > widest_joint * size_mm)) return;
     Place place;
     place.file = file;
@@ -187,7 +187,7 @@ void warn_of_joints(const ModelReport& report, double size_mm, const std::string
 // What farthest_from_field() cannot see: of a part that is not there no vertex is far off.
 void warn_of_difference(const ModelReport& report, double size_mm, const std::string& file,
                         RunContext& context) {
-    const FieldDifferenceReport& difference = report.field_difference;
+    const FieldDifferenceReport& difference = report.field.difference;
     if (difference.points == 0 || difference.max_mm <= widest_distance * size_mm) return;
     Place place;
     place.file = file;
@@ -206,7 +206,7 @@ void warn_of_difference(const ModelReport& report, double size_mm, const std::st
 void warn_of_flat_cells(const ModelReport& report, const std::string& file, RunContext& context) {
     std::size_t count = 0;
     const ListedCell* worst = nullptr;
-    for (const ListedCell& cell : report.listed_cells) {
+    for (const ListedCell& cell : report.listed_cells.cells) {
         const bool flat = !(cell.value <= contract::gross_radius_edge) ||
                           cell.min_dihedral_deg < contract::gross_dihedral_degrees;
         if (!flat || cell.forced_by.empty()) continue;

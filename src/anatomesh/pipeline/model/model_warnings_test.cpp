@@ -14,9 +14,9 @@ namespace {
 
 std::size_t warnings_of_distance(double max_mm, bool at_least, std::uint64_t points = 10) {
     ModelReport report;
-    report.field_distance.points = points;
-    report.field_distance.max_mm = max_mm;
-    report.field_distance.at_least = at_least;
+    report.field.distance.points = points;
+    report.field.distance.max_mm = max_mm;
+    report.field.distance.at_least = at_least;
     RunContext context;
     warn_of_model(report, 2.0, "drawn.json", context);
     std::size_t count = 0;
@@ -34,17 +34,17 @@ TEST(ModelWarnings, a_surface_far_from_the_field) {
 
 TEST(ModelWarnings, cells_that_contours_force_to_be_flat) {
     ModelReport report;
-    report.listed_cells = {{5, 1e6, 0.3, {1, 2, 3}, "contour vertices 1 and 2 0.000 mm apart"},
-                           {7, 90, 0.06, {1, 2, 3}, "contour vertices 3 and 4 0.01 mm apart"},
-                           {8, 3, 0.01, {4, 5, 6}, "contour vertices 5 and 6 0.000 mm apart"}};
+    report.listed_cells.cells = {{5, 1e6, 0.3, {1, 2, 3}, "contour vertices 1 and 2 0.000 mm apart"},
+                                 {7, 90, 0.06, {1, 2, 3}, "contour vertices 3 and 4 0.01 mm apart"},
+                                 {8, 3, 0.01, {4, 5, 6}, "contour vertices 5 and 6 0.000 mm apart"}};
     RunContext context;
     warn_of_model(report, 4, "file", context);
     ASSERT_EQ(context.warnings.size(), 1u);
     EXPECT_EQ(context.warnings[0].code, "W-PIP-014");
     EXPECT_EQ(context.warnings[0].message.substr(0, 17), "2 tetrahedra have");
     EXPECT_EQ(context.warnings[0].place.value, "0.01 degrees at 4 5 6");
-    report.listed_cells.erase(report.listed_cells.begin());
-    report.listed_cells.pop_back();
+    report.listed_cells.cells.erase(report.listed_cells.cells.begin());
+    report.listed_cells.cells.pop_back();
     RunContext sound;
     warn_of_model(report, 4, "file", sound);
     EXPECT_TRUE(sound.warnings.empty());
@@ -56,9 +56,9 @@ TEST(ModelWarnings, segments_that_are_missed) {
         for (const std::uint64_t count : missed) {
             report.structures.emplace_back();
             report.structures.back().number = static_cast<std::int32_t>(report.structures.size());
-            report.structures.back().contour_segments = 100;
-            report.structures.back().contour_segments_on_surface = 100 - count;
-            report.structures.back().contour_segments_contradicted = contradicted;
+            report.structures.back().fidelity.segments = 100;
+            report.structures.back().fidelity.segments_on_surface = 100 - count;
+            report.structures.back().fidelity.segments_contradicted = contradicted;
         }
         RunContext context;
         warn_of_model(report, 2.0, "drawn.json", context);
@@ -85,8 +85,8 @@ TEST(ModelWarnings, segments_that_are_missed) {
 TEST(ModelWarnings, surfaces_that_meet_and_should_not) {
     for (const auto& [joined_mm, expected] : {std::pair{1.1, 1}, {0.9, 0}}) {
         ModelReport report;
-        report.field_distance.points = 10;
-        report.field_distance.joined_mm = joined_mm;
+        report.field.distance.points = 10;
+        report.field.distance.joined_mm = joined_mm;
         RunContext context;
         warn_of_model(report, 2.0, "drawn.json", context);
         EXPECT_EQ(std::count_if(context.warnings.begin(), context.warnings.end(),
@@ -100,9 +100,9 @@ TEST(ModelWarnings, a_part_that_is_missing_and_one_too_many) {
         for (const auto& [max_mm, points, expected] :
              {std::tuple{1.1, 10, true}, {0.9, 10, false}, {1.1, 0, false}}) {
             ModelReport report;
-            report.field_difference.points = static_cast<std::uint64_t>(points);
-            report.field_difference.max_mm = max_mm;
-            report.field_difference.missing = missing;
+            report.field.difference.points = static_cast<std::uint64_t>(points);
+            report.field.difference.max_mm = max_mm;
+            report.field.difference.missing = missing;
             RunContext context;
             warn_of_model(report, 2.0, "drawn.json", context);
             ASSERT_EQ(context.warnings.size(), expected ? 1u : 0u);

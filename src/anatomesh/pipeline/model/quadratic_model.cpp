@@ -51,7 +51,7 @@ Result<MidNodes> quadratic_model(Model& model, const ContourSet& contours, const
                      {"largest_offset_mm", stats.largest_offset_mm},
                      {"least_jacobian", stats.least_jacobian},
                      {"volume_mm3", stats.volume_mm3}};
-    model.report.stages.push_back(std::move(stage));
+    model.report.run.stages.push_back(std::move(stage));
     return std::move(result.mid_nodes);
 }
 

@@ -14,7 +14,7 @@ namespace {
 using namespace fixtures;
 
 double figure(const Model& model, const std::string& name) {
-    for (const auto& [key, value] : model.report.stages.back().figures) {
+    for (const auto& [key, value] : model.report.run.stages.back().figures) {
         if (key == name) return value;
     }
     ADD_FAILURE() << "no figure " << name;

@@ -22,12 +22,13 @@ bool keeps_clauses(const ModelReport& report, const ModelReport& other) {
 }
 
 bool has_same_surface(const StructureReport& structure, const StructureReport& other) {
-    return structure.components == other.components && structure.genus == other.genus &&
-           structure.pieces == other.pieces && structure.shells.voids == other.shells.voids &&
+    return structure.surface.components == other.surface.components &&
+           structure.surface.genus == other.surface.genus && structure.pieces == other.pieces &&
+           structure.shells.voids == other.shells.voids &&
            structure.shells.without_contour <= other.shells.without_contour &&
            structure.shells.parts_too_many <= other.shells.parts_too_many &&
-           structure.contour_vertices_on_surface >= other.contour_vertices_on_surface &&
-           structure.contour_segments_on_surface >= other.contour_segments_on_surface;
+           structure.fidelity.vertices_on_surface >= other.fidelity.vertices_on_surface &&
+           structure.fidelity.segments_on_surface >= other.fidelity.segments_on_surface;
 }
 
 bool has_same_surfaces(const ModelReport& report, const ModelReport& other) {
@@ -43,7 +44,7 @@ struct WrongCuts {
 
 WrongCuts wrong_cuts(const ModelReport& report) {
     WrongCuts wrong;
-    for (const SliceSectionReport& cut : report.sections) {
+    for (const SliceSectionReport& cut : report.contours.sections) {
         if (!(cut.difference_mm2 > contract::section_tolerance * cut.drawn_mm2)) continue;
         ++wrong.count;
         if (cut.drawn_mm2 > 0) wrong.worst = std::max(wrong.worst, cut.difference_mm2 / cut.drawn_mm2);
@@ -60,18 +61,18 @@ bool stays_near_field(const ModelReport& report, const ModelReport& other, const
     const auto no_farther = [&](double mm, double before) {
         return mm <= std::max(options.farther * before, options.near_mm);
     };
-    return no_farther(report.field_distance.max_mm, other.field_distance.max_mm) &&
-           report.field_distance.at_least <= other.field_distance.at_least &&
-           no_farther(report.field_distance.joined_mm, other.field_distance.joined_mm) &&
-           no_farther(report.field_difference.max_mm, other.field_difference.max_mm);
+    return no_farther(report.field.distance.max_mm, other.field.distance.max_mm) &&
+           report.field.distance.at_least <= other.field.distance.at_least &&
+           no_farther(report.field.distance.joined_mm, other.field.distance.joined_mm) &&
+           no_farther(report.field.difference.max_mm, other.field.difference.max_mm);
 }
 
 bool keeps_shapes(const ModelReport& report, const ModelReport& other, const CompareOptions& options) {
     const QualityReport &quality = report.quality, &before = other.quality;
     const auto unforced = [](const ModelReport& of) {
-        return static_cast<double>(of.listed_cells_total - of.listed_cells_forced);
+        return static_cast<double>(of.listed_cells.total - of.listed_cells.forced);
     };
-    const double few = options.over_bound * static_cast<double>(report.tetrahedra);
+    const double few = options.over_bound * static_cast<double>(report.counts.tetrahedra);
     return quality.radius_edge_mean <= before.radius_edge_mean &&
            quality.radius_edge_share_over_2 <=
                std::max(before.radius_edge_share_over_2, options.over_bound) &&
@@ -95,8 +96,8 @@ bool warns_no_more(std::span<const Warning> warnings, std::span<const Warning> o
 
 bool is_no_worse(const ComparedModel& model, const ComparedModel& other, const CompareOptions& options) {
     const ModelReport &report = model.report, &before = other.report;
-    return static_cast<double>(report.tetrahedra) <=
-               options.most_cells * static_cast<double>(before.tetrahedra) &&
+    return static_cast<double>(report.counts.tetrahedra) <=
+               options.most_cells * static_cast<double>(before.counts.tetrahedra) &&
            keeps_clauses(report, before) && has_same_surfaces(report, before) && keeps_cuts(report, before) &&
            stays_near_field(report, before, options) && keeps_shapes(report, before, options) &&
            warns_no_more(model.warnings, other.warnings);

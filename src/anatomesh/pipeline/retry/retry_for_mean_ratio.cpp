@@ -24,7 +24,7 @@ bool exceeds_mean_ratio(const Model& model) {
 
 // Bad cells without a reason.
 std::uint64_t unforced(const Model& model) {
-    return model.report.listed_cells_total - model.report.listed_cells_forced;
+    return model.report.listed_cells.total - model.report.listed_cells.forced;
 }
 
 // The first of two that has a mean as is asked for, or one lower by something; of two that have it, the one

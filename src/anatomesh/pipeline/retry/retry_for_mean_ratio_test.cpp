@@ -13,7 +13,7 @@ namespace {
 Model with_mean(double mean, std::size_t cells = 1000) {
     Model model;
     model.mesh.cells.resize(cells);
-    model.report.tetrahedra = cells;
+    model.report.counts.tetrahedra = cells;
     model.report.quality.radius_edge_mean = mean;
     return model;
 }
@@ -75,13 +75,13 @@ TEST(RetryForMeanRatio, OfSeveralEvenOnesTakesThatWithFewestBadCells) {
     std::size_t runs = 0;
     const auto build = [&](double) -> Result<Model> {
         Model model = with_mean(0.94, 20000);
-        model.report.listed_cells_total = bad[runs++];
+        model.report.listed_cells.total = bad[runs++];
         return model;
     };
     const auto retried = retry_for_mean_ratio(with_mean(0.97, 15000), 1, build, context);
     ASSERT_TRUE(retried.ok());
     EXPECT_EQ(runs, 3U);
-    EXPECT_EQ(retried.value().model.report.listed_cells_total, 3U);
+    EXPECT_EQ(retried.value().model.report.listed_cells.total, 3U);
 }
 
 TEST(RetryForMeanRatio, ElseTheOneWithTheLeastMean) {

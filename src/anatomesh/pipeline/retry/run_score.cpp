@@ -22,15 +22,16 @@ void add_report(RunScore& score, const ModelReport& report) {
         score.lacks_contours = score.lacks_contours || clause.number == 2;
     }
     for (const StructureReport& structure : report.structures)
-        score.components_and_handles += static_cast<long long>(structure.components) + structure.genus;
+        score.components_and_handles +=
+            static_cast<long long>(structure.surface.components) + structure.surface.genus;
 }
 
 // Of the drawn segments, also those that contours left: the fewer the better.
 double share_missed(const ModelReport& report, const RunFacts& facts) {
     std::uint64_t segments = 0, on_surface = 0;
     for (const StructureReport& structure : report.structures) {
-        segments += structure.contour_segments;
-        on_surface += structure.contour_segments_on_surface;
+        segments += structure.fidelity.segments;
+        on_surface += structure.fidelity.segments_on_surface;
     }
     return share(std::max(segments - on_surface, facts.segments_missed), facts.drawn_segments);
 }
@@ -43,8 +44,8 @@ RunScore score_of(const Result<Model>& model, const ModelReport& report, const R
     score.reduced_effort = facts.reduced_effort;
     score.conformed = facts.conformed;
     score.cells = facts.cells;
-    score.unforced = share(report.listed_cells_total - report.listed_cells_forced, facts.cells);
-    score.bad = share(report.listed_cells_bad, facts.cells);
+    score.unforced = share(report.listed_cells.total - report.listed_cells.forced, facts.cells);
+    score.bad = share(report.listed_cells.bad, facts.cells);
     if (!model.ok()) {
         score.size_matters = model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001";
         return score;
@@ -58,8 +59,8 @@ RunScore score_of(const Result<Model>& model, const ModelReport& report, const R
     score.spurious_joints = facts.spurious_joints;
     score.deviates = facts.deviates;
     score.contradicted = facts.contradicted;
-    score.conformed_badly = facts.conformed && (report.listed_cells_bad > 0 || facts.deviates);
-    score.farthest = report.field_distance.at_least ? HUGE_VAL : report.field_distance.max_mm / facts.size_mm;
+    score.conformed_badly = facts.conformed && (report.listed_cells.bad > 0 || facts.deviates);
+    score.farthest = report.field.distance.at_least ? HUGE_VAL : report.field.distance.max_mm / facts.size_mm;
     score.missed = share_missed(report, facts);
     return score;
 }

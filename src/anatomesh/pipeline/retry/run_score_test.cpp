@@ -14,15 +14,15 @@ ModelReport report_of_two() {
     report.certificate = {{1, ClauseState::kept, "", ""}, {2, ClauseState::kept, "", ""}};
     report.structures.resize(2);
     for (StructureReport& structure : report.structures) {
-        structure.contour_segments = 100;
-        structure.contour_segments_on_surface = 98;
-        structure.components = 1;
+        structure.fidelity.segments = 100;
+        structure.fidelity.segments_on_surface = 98;
+        structure.surface.components = 1;
     }
-    report.structures[1].genus = 3;
-    report.listed_cells_total = 30;
-    report.listed_cells_forced = 10;
-    report.listed_cells_bad = 5;
-    report.field_distance.max_mm = 1.5;
+    report.structures[1].surface.genus = 3;
+    report.listed_cells.total = 30;
+    report.listed_cells.forced = 10;
+    report.listed_cells.bad = 5;
+    report.field.distance.max_mm = 1.5;
     return report;
 }
 
@@ -52,7 +52,7 @@ TEST(RunScore, AReportTellsOfAModelThatKeepsTheContract) {
         EXPECT_EQ(score.unmet_clauses, 1u);
         EXPECT_EQ(score.lacks_contours, number == 2);
     }
-    report.field_distance.at_least = true;
+    report.field.distance.at_least = true;
     EXPECT_GT(score_of(Model{}, report, facts_of_two()).farthest, 1e9) << "it is not known how far";
 }
 
@@ -73,7 +73,7 @@ TEST(RunScore, SegmentsWithEdgesBesideThemCountAsMissed) {
 
 TEST(RunScore, WhatConformedIsBadWithSingleCellsOrASurfaceAstray) {
     ModelReport report = report_of_two();
-    report.listed_cells_bad = 0;
+    report.listed_cells.bad = 0;
     RunFacts facts = facts_of_two();
     EXPECT_FALSE(score_of(Model{}, report, facts).conformed_badly);
     facts.conformed = true;
@@ -81,7 +81,7 @@ TEST(RunScore, WhatConformedIsBadWithSingleCellsOrASurfaceAstray) {
     facts.deviates = true;
     EXPECT_TRUE(score_of(Model{}, report, facts).conformed_badly);
     facts.deviates = false;
-    report.listed_cells_bad = 1;
+    report.listed_cells.bad = 1;
     EXPECT_TRUE(score_of(Model{}, report, facts).conformed_badly);
     facts.conformed = false;
     EXPECT_FALSE(score_of(Model{}, report, facts).conformed_badly);

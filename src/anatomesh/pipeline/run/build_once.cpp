@@ -50,7 +50,7 @@ struct RunState {
 
 Status field_step(RunState& run, RunContext& context) {
     ANATOMESH_TRY(run.prepared, prepare_run(run.source, run.config, run.known, context));
-    run.model.report.slice_spacing_mm = run.prepared->field->slice_spacing();
+    run.model.report.lengths.slice_spacing_mm = run.prepared->field->slice_spacing();
     return Nothing{};
 }
 
@@ -60,7 +60,7 @@ Status sample_step(RunState& run, RunContext& context) {
     ANATOMESH_TRY(run.sample, sample_run(prepared, options.size_mm, context));
     if (run.sample->has_pole) prepared.effort = effort_at_pole(std::move(prepared.effort));
     run.figures = sample_figures(run.sample->stats);
-    run.model.report.size_mm = run.size_mm();
+    run.model.report.lengths.size_mm = run.size_mm();
     warn_of_thin_structures(prepared.contours, mean_thickness(prepared.contours), run.size_mm(), context);
     return check_cell_count(*run.sample, options.max_tetrahedra);
 }
@@ -76,7 +76,7 @@ Status cull_step(RunState& run, RunContext& context) {
     LabelledMesh& mesh = run.growing->mesh;
     const CullStats stats = mesh.update(context);
     ANATOMESH_CHECK_STATUS(check_region_count(mesh));
-    run.model.report.share_culled =
+    run.model.report.meshing.share_culled =
         static_cast<double>(stats.culled) / static_cast<double>(mesh.regions().size());
     run.figures = cull_figures(mesh.regions().size(), stats);
     return Nothing{};
@@ -101,7 +101,7 @@ Status refine_step(RunState& run, RunContext& context) {
                                growing.given, options);
     ANATOMESH_CHECK_STATUS(growing.refinement->run(context));
     const RefinementStats& stats = growing.refinement->stats();
-    run.model.report.radius_edge_mean_before_refinement = stats.radius_edge_mean_before;
+    run.model.report.meshing.radius_edge_mean_before_refinement = stats.radius_edge_mean_before;
     run.figures = refine_figures(stats, growing.subsegments);
     return Nothing{};
 }
@@ -181,7 +181,7 @@ Status run_steps(RunState& run, RunContext& context, const StageObserver& observ
         ANATOMESH_CHECK_STATUS(step.run(run, context));
         const auto now = Clock::now();
         const std::chrono::duration<double> seconds = now - start;
-        run.model.report.stages.push_back(stage_report(run, step.stage, seconds.count()));
+        run.model.report.run.stages.push_back(stage_report(run, step.stage, seconds.count()));
         run.figures.clear();
         start = now;
         if (observer && run.growing) {
@@ -237,7 +237,7 @@ RunScore score_of_run(const RunState& run, const Result<Model>& model) {
     facts.torn = tore_a_structure(run);
     facts.spurious_joints = spurious_places(run.topology);
     facts.deviates = effort.conforming && effort.is_dense() &&
-                     report.field_distance.max_mm > most_deviation * run.size_mm();
+                     report.field.distance.max_mm > most_deviation * run.size_mm();
     return score_of(model, report, facts);
 }
 

@@ -60,7 +60,7 @@ void finish_model(const PreparedRun& run, const ImproveInput& input, WorkingMesh
     ContoursOfMesh kept = route_contours(source, contour_vertices, routed.contours, mesh.points);
     model.contours = std::move(kept.contours);
     model.contour_vertices = std::move(kept.vertices);
-    model.report.routed_contours =
+    model.report.contours.routed =
         routed_contour_reports(source, contour_vertices, routed.contours, mesh.points);
     model.routed = std::move(routed.contours);
     model.structures = run.contours.structures;
@@ -82,7 +82,7 @@ void measure_run(const PreparedRun& run, const ContourSet& source, const RunCont
 TopologyFindings warn_of_run(const PreparedRun& run, const Model& model,
                              const std::vector<std::uint32_t>& neighbors, RunContext& context) {
     const ContourSet& contours = run.contours;
-    const double size_mm = model.report.size_mm;
+    const double size_mm = model.report.lengths.size_mm;
     warn_of_model(model.report, size_mm, contours.source, context);
     warn_of_overlaps(model.mesh, model.regions, model.structures, contours.source, context);
     // Alone, a structure that tapers fast has another volume than its areas tell, and rightly.
@@ -110,7 +110,7 @@ Status judge_run(const PreparedRun& run, const ModelReport& report, bool size_gi
                      "clause " + std::to_string(clause.number) +
                          " of the certificate is broken: " + clause.statement + " (" + clause.evidence + ")",
                      {},
-                     advice_on_size(mean_thickness(run.contours), report.size_mm, size_given) +
+                     advice_on_size(mean_thickness(run.contours), report.lengths.size_mm, size_given) +
                          "; nothing was written"};
     }
     return Nothing{};

@@ -98,10 +98,10 @@ TEST(CommonLines, C27_half_an_organ_cut_along_the_axis_is_modelled) {
     const auto made = build_model(reconciled.value().kept, {}, context);
     ASSERT_TRUE(made.ok()) << to_line(made.error());
     const StructureReport& structure = made.value().report.structures[0];
-    EXPECT_EQ(structure.components, 1u);
-    EXPECT_EQ(structure.genus, 0);
-    EXPECT_NEAR(structure.volume_mesh_mm3 / (2.0 / 3 * pi * 18 * 18 * 25), 1, 0.02);
-    EXPECT_LE(structure.contour_segments - structure.contour_segments_on_surface, 2u);
+    EXPECT_EQ(structure.surface.components, 1u);
+    EXPECT_EQ(structure.surface.genus, 0);
+    EXPECT_NEAR(structure.volume.mesh_mm3 / (2.0 / 3 * pi * 18 * 18 * 25), 1, 0.02);
+    EXPECT_LE(structure.fidelity.segments - structure.fidelity.segments_on_surface, 2u);
 }
 
 }  // namespace
