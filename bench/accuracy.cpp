@@ -250,7 +250,7 @@ void compare(const KeptSlices& kept, const StructureField& field, std::uint32_t 
 
 Status run(const InputOptions& options, double pixel, RunContext& context) {
     InputOptions whole = options;
-    whole.prepare.every.reset();
+    whole.prepare.choice.every.reset();
     ANATOMESH_TRY(const ContourSet all, read(whole, context));
     ANATOMESH_TRY(const ContourSet kept_set, read(options, context));
     ANATOMESH_TRY(const auto field, make_structure_field(kept_set, {}, context));
@@ -268,9 +268,9 @@ Status run(const InputOptions& options, double pixel, RunContext& context) {
         }
     }
     fmt::print("| {} | {} | {:.2f} | {} | {} | {} | {} |\n",
-               std::filesystem::path(options.input).filename().string(), options.prepare.every.value_or(1),
-               field->slice_spacing(), scores.ours.sections(), scores.nearest.text(),
-               scores.shape_based.text(), scores.ours.text());
+               std::filesystem::path(options.input).filename().string(),
+               options.prepare.choice.every.value_or(1), field->slice_spacing(), scores.ours.sections(),
+               scores.nearest.text(), scores.shape_based.text(), scores.ours.text());
     return Nothing{};
 }
 
@@ -308,7 +308,7 @@ int main(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
     if (!cut.kind.empty()) return report(cut_planes(options, cut, header));
     if (leave_out > 0) return report(leave_out_planes(options, leave_out, header));
-    if (options.prepare.every.value_or(1) < 2) {
+    if (options.prepare.choice.every.value_or(1) < 2) {
         fmt::print(stderr, "--every must be 2 or more\n");
         return 2;
     }

@@ -133,12 +133,15 @@ WallOptions walls_of(const ModelFile& model, const InputOptions& options) {
 Result<InputContours> contours_as_taken(OpenedInput opened, const InputOptions& given, const ModelFile& model,
                                         RunContext& context) {
     InputOptions told = given;
-    if (opened.contours && told.prepare.structures.empty()) {
-        told.prepare.structures = options_of(model.description, "structure");
-        if (told.prepare.structures == std::vector<std::string>{"all"}) told.prepare.structures.clear();
+    if (opened.contours && told.prepare.choice.structures.empty()) {
+        told.prepare.choice.structures = options_of(model.description, "structure");
+        if (told.prepare.choice.structures == std::vector<std::string>{"all"})
+            told.prepare.choice.structures.clear();
     }
-    if (told.prepare.without.empty()) told.prepare.without = options_of(model.description, "without");
-    if (told.prepare.structures == given.prepare.structures && told.prepare.without == given.prepare.without)
+    if (told.prepare.choice.without.empty())
+        told.prepare.choice.without = options_of(model.description, "without");
+    if (told.prepare.choice.structures == given.prepare.choice.structures &&
+        told.prepare.choice.without == given.prepare.choice.without)
         return contours_of(std::move(opened), given, context);
     RunContext apart;
     apart.threads = context.threads;
@@ -187,12 +190,12 @@ Status run_check(CheckOptions options, Session& session) {
     options.contours.limits = session.limits;
     if (options.contours.input.empty() &&
         (!options.contours.frame.empty() || options.contours.volume ||
-         !options.contours.prepare.structures.empty() || !options.contours.prepare.without.empty() ||
-         !options.contours.cleaning_given.empty())) {
-        const std::string option = !options.contours.frame.empty()                ? "--frame"
-                                   : options.contours.volume                      ? "--volume"
-                                   : !options.contours.prepare.structures.empty() ? "--structure"
-                                   : !options.contours.prepare.without.empty()
+         !options.contours.prepare.choice.structures.empty() ||
+         !options.contours.prepare.choice.without.empty() || !options.contours.cleaning_given.empty())) {
+        const std::string option = !options.contours.frame.empty()                       ? "--frame"
+                                   : options.contours.volume                             ? "--volume"
+                                   : !options.contours.prepare.choice.structures.empty() ? "--structure"
+                                   : !options.contours.prepare.choice.without.empty()
                                        ? "--without"
                                        : options.contours.cleaning_given.front();
         return Error{ErrorKind::usage,
@@ -274,7 +277,7 @@ Work declare_check(CLI::App& verb) {
     add_optional_count(verb, "--volume", options->contours.volume, 0,
                        "The volume to read from an image that holds several, or the time frame of guide "
                        "points. The first one is 0.");
-    add_texts(verb, "--structure", options->contours.prepare.structures, "NAME",
+    add_texts(verb, "--structure", options->contours.prepare.choice.structures, "NAME",
               "Compare this structure, by name or number. Repeatable. Default: all structures of the model.");
     group_new_options(verb, option_group::input);
     add_without_option(verb, options->contours);

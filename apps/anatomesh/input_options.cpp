@@ -156,7 +156,9 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
 void add_threshold_option(CLI::App& verb, InputOptions& options) {
     verb.add_option_function<std::string>(
             "--threshold",
-            [&options](const std::string& text) { options.prepare.threshold = threshold_of(text); },
+            [&options](const std::string& text) {
+                options.prepare.label_maps.threshold = threshold_of(text);
+            },
             "The structure is all voxels of a grey image with values from LO up, or from LO to HI (HU in a "
             "CT).")
         ->type_name("LO[:HI]");
@@ -164,7 +166,7 @@ void add_threshold_option(CLI::App& verb, InputOptions& options) {
 }
 
 void add_without_option(CLI::App& verb, InputOptions& options) {
-    add_texts(verb, "--without", options.prepare.without, "SLICE",
+    add_texts(verb, "--without", options.prepare.choice.without, "SLICE",
               "Leave out this slice, by its name in messages, such as 'plane 9', 'z = -12.5' or 'k = 40'. "
               "Repeatable.");
     group_new_options(verb, option_group::slices);
@@ -172,20 +174,20 @@ void add_without_option(CLI::App& verb, InputOptions& options) {
 
 void add_keep_largest_option(CLI::App& verb, InputOptions& options) {
     add_optional_count(
-        verb, "--keep-largest", options.prepare.keep_largest, 1,
+        verb, "--keep-largest", options.prepare.label_maps.keep_largest, 1,
         "Keep the N largest connected parts of each structure in the image, from 1. Default: all.");
     group_new_options(verb, option_group::slices);
 }
 
 void add_selection_options(CLI::App& verb, InputOptions& options) {
-    add_texts(verb, "--structure", options.prepare.structures, "NAME",
+    add_texts(verb, "--structure", options.prepare.choice.structures, "NAME",
               "Use this structure, by name or number. Repeatable. Default: all structures.");
     add_without_option(verb, options);
     add_threshold_option(verb, options);
     add_keep_largest_option(verb, options);
-    add_optional_count(verb, "--every", options.prepare.every, 1,
+    add_optional_count(verb, "--every", options.prepare.choice.every, 1,
                        "Use every Nth slice, from 1. Default: 1, all slices.");
-    add_count(verb, "--offset", options.prepare.offset, 0, largest_count,
+    add_count(verb, "--offset", options.prepare.choice.offset, 0, largest_count,
               "The first slice that --every keeps, from 0. Default: 0.");
     verb.add_option_function<std::string>(
             "--epsilon",
@@ -200,7 +202,7 @@ void add_selection_options(CLI::App& verb, InputOptions& options) {
     verb.add_option_function<std::string>(
             "--min-area",
             [&options](const std::string& text) {
-                options.prepare.min_area_mm2 = strict_number("--min-area", text, 0, 1e6);
+                options.prepare.label_maps.min_area_mm2 = strict_number("--min-area", text, 0, 1e6);
             },
             "Leave out islands and fill holes of images that are smaller than this, 0 to 1e6 mm2. Default: 4 "
             "pixels.")

@@ -217,9 +217,10 @@ Result<ModelFile> file_of(Model& model, const ModelVerbOptions& options, Session
     if (!options.element.wanted()) return file;
     file.description.structures = model.structures;
     file.description.regions = model.regions;
-    ANATOMESH_TRY(CellValues values,
-                  add_cell_values(file, options.element,
-                                  options.input.prepare.threshold ? &options.input : nullptr, session));
+    ANATOMESH_TRY(
+        CellValues values,
+        add_cell_values(file, options.element,
+                        options.input.prepare.label_maps.threshold ? &options.input : nullptr, session));
     for (StageReport& stage : values.stages) model.report.run.stages.push_back(std::move(stage));
     for (InputReport& input : values.files) model.report.provenance.inputs.push_back(std::move(input));
     return file;

@@ -201,7 +201,7 @@ Result<OpenedInput> open_contours(const InputOptions& options, FileKind kind, bo
 
 // A grey image needs a threshold; a label map is one already.
 Result<LabelMap> labels_of(const LoadedImage& image, const InputOptions& options, RunContext& context) {
-    if (options.prepare.threshold) {
+    if (options.prepare.label_maps.threshold) {
         if (looks_like_label_map(image.facts)) {
             context.warn(
                 {"W-CMD-002",
@@ -209,8 +209,9 @@ Result<LabelMap> labels_of(const LoadedImage& image, const InputOptions& options
                  {options.input, "", "", "", "--threshold"},
                  "it was read as a grey image because of --threshold, so that its structures become one"});
         }
-        return threshold_image(image.image, {options.prepare.threshold->low, options.prepare.threshold->high},
-                               context);
+        return threshold_image(
+            image.image,
+            {options.prepare.label_maps.threshold->low, options.prepare.label_maps.threshold->high}, context);
     }
     if (!looks_like_label_map(image.facts)) {
         return input_usage_error("E-CMD-007", "the image is a grey image, which needs --threshold",
@@ -225,13 +226,14 @@ Result<LabelMap> labels_of(const LoadedImage& image, const InputOptions& options
 Result<PreparedContours> contours_of_frames(LabelMap labels, const LoadedImage& image, const GreyImage* grey,
                                             const PrepareOptions& prepare, RunContext& context,
                                             const ContoursCheck& check) {
-    ANATOMESH_TRY(const auto chosen, find_structures(labels.structures, prepare.structures, prepare.input));
+    ANATOMESH_TRY(const auto chosen,
+                  find_structures(labels.structures, prepare.choice.structures, prepare.input));
     if (chosen.size() < labels.structures.size()) select_structures(labels, chosen);
     std::vector<TraceResult> layers;
     ANATOMESH_TRY(TraceResult traced,
                   trace_frames(labels, image.poses, image.known_axes ? Frame::lps : Frame::unknown, grey,
-                               prepare.threshold ? prepare.threshold->low : 0,
-                               prepare.keep_largest.value_or(0), trace_options(prepare), context));
+                               prepare.label_maps.threshold ? prepare.label_maps.threshold->low : 0,
+                               prepare.label_maps.keep_largest.value_or(0), trace_options(prepare), context));
     layers.push_back(std::move(traced));
     return prepare_contours(std::move(layers), prepare, context, check);
 }
@@ -241,7 +243,7 @@ Result<PreparedContours> contours_of_image(OpenedInput& input, const InputOption
                                            const ContoursCheck& check) {
     const LoadedImage& image = *input.image;
     ANATOMESH_TRY(LabelMap labels, labels_of(image, options, context));
-    const GreyImage* grey = prepare.threshold ? &image.image : nullptr;
+    const GreyImage* grey = prepare.label_maps.threshold ? &image.image : nullptr;
     if (!image.poses.empty())
         return contours_of_frames(std::move(labels), image, grey, prepare, context, check);
     std::vector<LabelMap> layers;
@@ -252,7 +254,8 @@ Result<PreparedContours> contours_of_image(OpenedInput& input, const InputOption
 Result<PreparedContours> contours_of_segmentation(OpenedInput& input, const InputOptions& options,
                                                   const PrepareOptions& prepare, RunContext& context,
                                                   const ContoursCheck& check) {
-    if (prepare.threshold) return does_not_apply("--threshold", options.input, "the input is a segmentation");
+    if (prepare.label_maps.threshold)
+        return does_not_apply("--threshold", options.input, "the input is a segmentation");
     return prepare_contours(std::move(input.segmentation->layers), nullptr, prepare, context, check);
 }
 
@@ -260,9 +263,9 @@ Result<PreparedContours> contours_of_file(OpenedInput& input, const InputOptions
                                           const PrepareOptions& prepare, RunContext& context,
                                           const ContoursCheck& check) {
     const std::string why = "the input holds contours, not an image";
-    if (prepare.threshold) return does_not_apply("--threshold", options.input, why);
-    if (prepare.keep_largest) return does_not_apply("--keep-largest", options.input, why);
-    if (prepare.min_area_mm2) return does_not_apply("--min-area", options.input, why);
+    if (prepare.label_maps.threshold) return does_not_apply("--threshold", options.input, why);
+    if (prepare.label_maps.keep_largest) return does_not_apply("--keep-largest", options.input, why);
+    if (prepare.label_maps.min_area_mm2) return does_not_apply("--min-area", options.input, why);
     return prepare_contours(*input.contours, prepare, context, check);
 }
 
@@ -347,9 +350,9 @@ Result<InputContours> contours_of(OpenedInput input, const InputOptions& options
     prepare.input = options.input;
     prepare.take_spaces_for_one = options.ignore_frame_of_reference;
     prepare.name_cleaning = !options.cleaning_given.empty();
-    if (prepare.offset >= prepare.every.value_or(1) && prepare.offset > 0) {
+    if (prepare.choice.offset >= prepare.choice.every.value_or(1) && prepare.choice.offset > 0) {
         return input_usage_error("E-CMD-008", "--offset must be less than --every", options.input,
-                                 prepare.every ? "give a smaller --offset" : "give --every too");
+                                 prepare.choice.every ? "give a smaller --offset" : "give --every too");
     }
     const auto read = input.image          ? contours_of_image
                       : input.segmentation ? contours_of_segmentation

@@ -158,8 +158,8 @@ nlohmann::ordered_json json_of(const TaskResult& result, double voxel_mm3) {
 Result<std::vector<SegmentTask>> tasks_of(const SegmentVerbOptions& options) {
     if (!options.recipe.empty()) return read_recipe(options.recipe, options.input.limits.input);
     SegmentTask task = options.task;
-    task.threshold = options.input.prepare.threshold;
-    task.keep_largest = options.input.prepare.keep_largest;
+    task.threshold = options.input.prepare.label_maps.threshold;
+    task.keep_largest = options.input.prepare.label_maps.keep_largest;
     return std::vector{task};
 }
 

@@ -145,19 +145,19 @@ TEST(PrepareContours, goes_no_further_than_asked) {
 TEST(PrepareContours, chooses_structures_and_slices) {
     const DrawnSet drawn = set_of("parallel");
     PrepareOptions options;
-    options.structures = {"right"};
+    options.choice.structures = {"right"};
     PreparedContours one = prepared(drawn.raw, options);
     ASSERT_EQ(one.kept.structures.size(), 1u);
     EXPECT_EQ(one.kept.structures[0].number, 2);
     EXPECT_EQ(values_of(one.options, "structure"), std::vector<std::string>{"right"});
-    options.structures = {"1", "2"};
+    options.choice.structures = {"1", "2"};
     const PreparedContours both = prepared(drawn.raw, options);
     EXPECT_EQ(both.kept.points, prepared(drawn.raw, {}).kept.points);
-    options.every = 2;
-    options.offset = 1;
+    options.choice.every = 2;
+    options.choice.offset = 1;
     EXPECT_EQ(prepared(drawn.raw, options).kept.slices.size(), both.kept.slices.size() / 2);
     options = {};
-    options.without = {both.kept.slices[1].name};
+    options.choice.without = {both.kept.slices[1].name};
     EXPECT_EQ(prepared(drawn.raw, options).kept.slices.size(), both.kept.slices.size() - 1);
     options = {};
     options.epsilon_mm = 0.5;
@@ -166,19 +166,19 @@ TEST(PrepareContours, chooses_structures_and_slices) {
 
 TEST(PrepareContours, refuses_what_does_not_apply) {
     PrepareOptions options;
-    options.structures = {"spleen"};
+    options.choice.structures = {"spleen"};
     EXPECT_EQ(code_of(set_of("parallel").raw, options), "E-CMD-005");
     options = {};
     options.priority = {"spleen"};
     EXPECT_EQ(code_of(set_of("parallel").raw, options), "E-CMD-005");
     options = {};
-    options.every = 2;
+    options.choice.every = 2;
     EXPECT_EQ(code_of(set_of("crossing").raw, options), "E-CMD-008") << "no order";
-    options.every = 100;
-    options.offset = 99;
+    options.choice.every = 100;
+    options.choice.offset = 99;
     EXPECT_EQ(code_of(set_of("parallel").raw, options), "E-CMD-008") << "none left";
     options = {};
-    options.structures = {"left"};
+    options.choice.structures = {"left"};
     options.walls.close_gaps_mm = 1;
     EXPECT_EQ(code_of(set_of("parallel").raw, options), "E-CMD-008") << "one structure";
     RawContours spaces = set_of("parallel").raw;
@@ -187,7 +187,7 @@ TEST(PrepareContours, refuses_what_does_not_apply) {
     options = {};
     options.take_spaces_for_one = true;
     EXPECT_EQ(code_of(spaces, options), "");
-    options.structures = {"left"};
+    options.choice.structures = {"left"};
     options.take_spaces_for_one = false;
     EXPECT_EQ(code_of(spaces, options), "") << "those of one space";
 }
@@ -273,7 +273,7 @@ TEST(PrepareContours, label_maps_are_traced) {
     EXPECT_EQ(both.value().kept.points, traced.value().kept.points);
 
     PrepareOptions options;
-    options.structures = {"cube 1"};
+    options.choice.structures = {"cube 1"};
     const auto one = prepare_contours({cubes(2)}, nullptr, options, context);
     const auto alone = prepare_contours({cubes(1)}, nullptr, {}, context);
     ASSERT_TRUE(one.ok() && alone.ok());

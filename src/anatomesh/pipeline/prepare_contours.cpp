@@ -65,13 +65,15 @@ bool is_default(const PrepareOptions& options) {
 // The options that say which part of the input was taken.
 Options choice_told(const PrepareOptions& options) {
     Options told;
-    if (options.structures.empty()) told.emplace_back("structure", "all");
-    for (const std::string& name : options.structures) told.emplace_back("structure", name);
-    for (const std::string& name : options.without) told.emplace_back("without", name);
-    if (options.threshold) told.emplace_back("threshold", interval_text(*options.threshold));
-    if (options.keep_largest) told.emplace_back("keep_largest", std::to_string(*options.keep_largest));
-    told.emplace_back("every", std::to_string(options.every.value_or(1)));
-    told.emplace_back("offset", std::to_string(options.offset));
+    if (options.choice.structures.empty()) told.emplace_back("structure", "all");
+    for (const std::string& name : options.choice.structures) told.emplace_back("structure", name);
+    for (const std::string& name : options.choice.without) told.emplace_back("without", name);
+    if (options.label_maps.threshold)
+        told.emplace_back("threshold", interval_text(*options.label_maps.threshold));
+    if (options.label_maps.keep_largest)
+        told.emplace_back("keep_largest", std::to_string(*options.label_maps.keep_largest));
+    told.emplace_back("every", std::to_string(options.choice.every.value_or(1)));
+    told.emplace_back("offset", std::to_string(options.choice.offset));
     if (options.name_cleaning || !is_default(options)) {
         const CleanOptions& clean = options.clean;
         told.emplace_back("holes", clean.rings.holes == HoleRule::united ? "filled" : "even-odd");
@@ -113,11 +115,11 @@ std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult
 }
 
 Status keep_every_nth(ContourSet& kept, const PrepareOptions& options) {
-    if (options.every.value_or(1) == 1) return Nothing{};
+    if (options.choice.every.value_or(1) == 1) return Nothing{};
     const std::string file = input_name(options, kept.source);
     if (!all_parallel(kept, parallel_tolerance_mm))
         return does_not_apply("--every", file, "the slices are not parallel and have no order");
-    kept = every_nth_slice(kept, *options.every, options.offset);
+    kept = every_nth_slice(kept, *options.choice.every, options.choice.offset);
     if (kept.contours.empty())
         return usage_error("--every and --offset leave no slice", file, "give a smaller --every or --offset");
     return Nothing{};
@@ -148,14 +150,15 @@ Status thin_and_share(PreparedContours& prepared, const PrepareOptions& options,
 
 Result<PreparedContours> drawn_contours(const RawContours& all, const PrepareOptions& options,
                                         RunContext& context) {
-    ANATOMESH_TRY(const std::vector<std::uint32_t> chosen,
-                  find_structures(all.structures, options.structures, input_name(options, all.source)));
+    ANATOMESH_TRY(
+        const std::vector<std::uint32_t> chosen,
+        find_structures(all.structures, options.choice.structures, input_name(options, all.source)));
     std::optional<RawContours> part;
     if (chosen.size() < all.structures.size()) part = choose_structures(all, chosen);
     const RawContours& raw = part ? *part : all;
     ANATOMESH_CHECK_STATUS(check_one_space(raw, options.take_spaces_for_one, context));
     CleanOptions clean = options.clean;
-    clean.without = options.without;
+    clean.without = options.choice.without;
     if (options.epsilon_mm == 0.0) clean.crowded_mm = 0;
     ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, clean, context));
 
@@ -184,10 +187,10 @@ Result<PreparedContours> traced_contours(std::vector<TraceResult> layers, const 
         sets.push_back(std::move(layer.kept));
     }
     prepared.kept = merge_layers(std::move(sets));
-    ANATOMESH_TRY(prepared.kept, without_slices(std::move(prepared.kept), options.without));
+    ANATOMESH_TRY(prepared.kept, without_slices(std::move(prepared.kept), options.choice.without));
     const double pixel = prepared.kept.pixel_mm;
     prepared.options.emplace_back("min_area_mm2",
-                                  number_text(options.min_area_mm2.value_or(4 * pixel * pixel)));
+                                  number_text(options.label_maps.min_area_mm2.value_or(4 * pixel * pixel)));
     tell_epsilon(prepared, options);
     return prepared;
 }
@@ -196,9 +199,10 @@ Result<std::vector<TraceResult>> trace_layers(std::vector<LabelMap> layers, cons
                                               const PrepareOptions& options, RunContext& context) {
     std::vector<Structure> all;
     for (const LabelMap& map : layers) all.insert(all.end(), map.structures.begin(), map.structures.end());
-    ANATOMESH_TRY(const std::vector<std::uint32_t> chosen,
-                  find_structures(all, options.structures, input_name(options, layers.front().source)));
-    const double level = options.threshold ? options.threshold->low : 0;
+    ANATOMESH_TRY(
+        const std::vector<std::uint32_t> chosen,
+        find_structures(all, options.choice.structures, input_name(options, layers.front().source)));
+    const double level = options.label_maps.threshold ? options.label_maps.threshold->low : 0;
     std::vector<TraceResult> traced;
     std::uint32_t first = 0;
     for (LabelMap& map : layers) {
@@ -208,7 +212,7 @@ Result<std::vector<TraceResult>> trace_layers(std::vector<LabelMap> layers, cons
         first += static_cast<std::uint32_t>(map.structures.size());
         if (own.empty() && layers.size() > 1) continue;
         if (own.size() < map.structures.size()) select_structures(map, own);
-        if (options.keep_largest) keep_largest(map, *options.keep_largest);
+        if (options.label_maps.keep_largest) keep_largest(map, *options.label_maps.keep_largest);
         if (context.cancelled()) return cancelled_error();
         ANATOMESH_TRY(TraceResult layer, trace_contours(map, grey, level, trace_options(options), context));
         traced.push_back(std::move(layer));
@@ -270,16 +274,16 @@ Result<PreparedContours> finished(PreparedContours prepared, const PrepareOption
 }
 
 [[maybe_unused]] bool is_choice_of_slices(const PrepareOptions& options) {
-    return options.every.value_or(1) >= 1 && options.offset < options.every.value_or(1);
+    return options.choice.every.value_or(1) >= 1 && options.choice.offset < options.choice.every.value_or(1);
 }
 
 }  // namespace
 
 TraceOptions trace_options(const PrepareOptions& options) {
     TraceOptions tracing;
-    tracing.every = options.every.value_or(1);
-    tracing.offset = options.offset;
-    if (options.min_area_mm2) tracing.min_area_mm2 = *options.min_area_mm2;
+    tracing.every = options.choice.every.value_or(1);
+    tracing.offset = options.choice.offset;
+    if (options.label_maps.min_area_mm2) tracing.min_area_mm2 = *options.label_maps.min_area_mm2;
     if (options.epsilon_mm) tracing.epsilon_mm = *options.epsilon_mm;
     return tracing;
 }
@@ -321,14 +325,15 @@ Result<PreparedContours> prepare_contours(ContourSet kept, const PrepareOptions&
                                           const ContoursCheck& check) {
     assert(is_choice_of_slices(options));
     const Stopwatch watch;
-    ANATOMESH_TRY(const std::vector<std::uint32_t> chosen,
-                  find_structures(kept.structures, options.structures, input_name(options, kept.source)));
+    ANATOMESH_TRY(
+        const std::vector<std::uint32_t> chosen,
+        find_structures(kept.structures, options.choice.structures, input_name(options, kept.source)));
     PreparedContours prepared;
     prepared.options = choice_told(options);
     prepared.traced_points = kept.points.size();
     prepared.kept =
         chosen.size() < kept.structures.size() ? choose_structures(kept, chosen) : std::move(kept);
-    ANATOMESH_TRY(prepared.kept, without_slices(std::move(prepared.kept), options.without));
+    ANATOMESH_TRY(prepared.kept, without_slices(std::move(prepared.kept), options.choice.without));
     ANATOMESH_CHECK_STATUS(thin_and_share(prepared, options, context));
     tell_epsilon(prepared, options);
     return finished(std::move(prepared), options, watch, context, check);

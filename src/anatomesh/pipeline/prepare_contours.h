@@ -36,7 +36,8 @@ enum class PrepareUntil : std::uint8_t {
     all      // and slices that cross agree, and overlaps are given to the first structure
 };
 
-struct PrepareOptions {
+// Which part of the input is taken.
+struct ChoiceOptions {
     // Structures to take, by name or number (find_structures.h); empty: all.
     std::vector<std::string> structures;
     // Slices to leave out, by their names in messages (chosen_slices.h).
@@ -45,20 +46,28 @@ struct PrepareOptions {
     // of them; offset: [0, every).
     std::optional<std::uint32_t> every;
     std::uint32_t offset = 0;
-    // Every traced or drawn point stays within this of the kept polygon. mm, 0 or [1e-6, 10]; 0: all points
-    // stay; nothing: 0.15 of the pixel for traced contours, and all drawn points but crowded ones
-    // (CleanOptions::crowded_mm).
-    std::optional<double> epsilon_mm;
+};
 
-    // Label maps. Of a grey image the voxels from low to high, in its unit, were taken for the label map.
+// How label maps are made and traced; drawn contours have no use for it.
+struct LabelMapOptions {
+    // Of a grey image the voxels from low to high, in its unit, were taken for the label map.
     std::optional<ThresholdOptions> threshold;
     // Of each structure so many of its largest pieces are kept (components.h). [1, 1e6]; nothing: all of
     // them.
     std::optional<std::uint32_t> keep_largest;
     // Islands of a slice below this area are left out, and counted. mm2, [0, 1e6]; nothing: 4 pixels.
     std::optional<double> min_area_mm2;
+};
 
-    // Drawn contours. The `without` of these takes the place of that of `clean`.
+struct PrepareOptions {
+    ChoiceOptions choice;
+    // Every traced or drawn point stays within this of the kept polygon. mm, 0 or [1e-6, 10]; 0: all points
+    // stay; nothing: 0.15 of the pixel for traced contours, and all drawn points but crowded ones
+    // (CleanOptions::crowded_mm).
+    std::optional<double> epsilon_mm;
+    LabelMapOptions label_maps;
+
+    // Drawn contours. The `without` of `choice` takes the place of that of `clean`.
     CleanOptions clean;
     // Contours of different frames of reference are taken as they are (one_space.h).
     bool take_spaces_for_one = false;
@@ -100,21 +109,21 @@ using ContoursCheck = std::function<Status(const ContourSet& kept)>;
 
 // Guarantees: a kept contour set (contour_set.h), the same at any thread count. Errors and warnings: those of
 // the steps; usage E-CMD-005 no structure of such a name; E-CMD-008 an option that does not apply to these
-// contours (`every` of slices that are not parallel, or leaving none; gaps closed of one structure alone);
-// E-RTS-010 (one_space.h); cancelled. Warnings of its own: W-CMD-006 what a structure gave to others,
+// contours (choice.every of slices that are not parallel, or leaving none; gaps closed of one structure
+// alone); E-RTS-010 (one_space.h); cancelled. Warnings of its own: W-CMD-006 what a structure gave to others,
 // W-CMD-007 priority without overlaps. Complexity: that of the steps.
 Result<PreparedContours> prepare_contours(const RawContours& raw, const PrepareOptions& options,
                                           RunContext& context, const ContoursCheck& check = {});
 
 // The same of label maps, one or several that may overlap (of one geometry, no structure number in two of
-// them). `grey`: the image that options.threshold made the one label map of, for contours within its pixels;
-// or null. Requires: at least one map.
+// them). `grey`: the image that label_maps.threshold made the one label map of, for contours within its
+// pixels; or null. Requires: at least one map.
 Result<PreparedContours> prepare_contours(std::vector<LabelMap> layers, const GreyImage* grey,
                                           const PrepareOptions& options, RunContext& context,
                                           const ContoursCheck& check = {});
 
-// The same of what was traced, one set a layer, of structures, slices of `every`, and largest pieces that the
-// caller chose. Requires: at least one.
+// The same of what was traced, one set a layer, of structures, slices of choice.every, and largest pieces
+// that the caller chose. Requires: at least one.
 Result<PreparedContours> prepare_contours(std::vector<TraceResult> layers, const PrepareOptions& options,
                                           RunContext& context, const ContoursCheck& check = {});
 
