@@ -1,7 +1,6 @@
 #include "anatomesh/pipeline/build_model.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -23,38 +22,33 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double finer = 0.7;  // a further run's edge length, in those of the one before
-// Of slightly finer runs, in those of the first.
-constexpr std::array<double, RetryPolicy::most_conforming> slightly_finer{0.9, 0.8, 0.7, 0.56};
-
-// Of a model with edges as short as walls between structures ask for, in place of one that is refused, and of
-// one that misses clauses.
-constexpr double most_cells_for_walls = 2.4e7, most_cells_for_better_walls = 4e6;
-constexpr double same_size = 0.01, hardly_shorter = 0.975;  // of edge lengths
-constexpr double most_of_all = 0.5;  // of what is drawn, by length, belongs to structures with such walls
+// A finer run's edge length, in those of the one before: about three times the cells. [edge lengths; 0 to 1; M 2026-11, set not recorded]
+constexpr double finer = 0.7;
+// Of a model with edges as short as walls between structures ask for, in place of one that is refused.
+// [cells; > 0; B]
+constexpr double most_cells_for_walls = 2.4e7;
+// The same, in place of one that misses clauses. [cells; > 0; B]
+constexpr double most_cells_for_better_walls = 4e6;
+// Edge lengths that differ by less are the same. [ratio; 0 to 1; D]
+constexpr double same_size = 0.01;
+// The next edge length, where one was tried already. [ratio; 0 to 1; D, more than same_size from 1]
+constexpr double hardly_shorter = 0.975;
+// Of what is drawn, by length, so much belongs to structures with such walls. [ratio; 0 to 1; M 2026-11, set not recorded]
+constexpr double most_of_all = 0.5;
 
 struct Made {
-    RunScore score;
+    RunOutcome outcome;
     double size_mm = 0;
 };
 
-// A model that keeps the contract, while another one is tried.
-struct KeptModel {
+// The best model so far, while another one is tried.
+struct BestModel {
     Model model;
     RunConfig config;
     std::vector<Warning> warnings;
     Made made;
-    std::string sought;  // what another one was tried for
+    std::size_t run = 0;  // which run made it, from 1
 };
-
-// Whether another model does not mend what it was tried for.
-bool is_in_vain(const KeptModel& kept, const BuiltOnce& other, const RetryPolicy& policy) {
-    if (!other.model.ok() || has_more_contours(kept.made.score, other.score)) return true;
-    if (policy.finer_for_shape() && other.score.over_bound >= kept.made.score.over_bound) return true;
-    return kept.made.score.conformed_badly && !kept.made.score.deviates && !kept.made.score.torn &&
-           other.score.bad > 0 &&
-           kept.made.score.unforced <= std::max(other.score.unforced, contract::share_over_bound);
-}
 
 // Tries until a model is as good as it can be.
 class RetryDriver {
@@ -92,19 +86,28 @@ class RetryDriver {
             if (count_ == 1) {
                 if (std::optional<Result<Model>> model = between_walls(built)) return std::move(*model);
             }
-            const NextRun next = policy.next(built.score, kept_ ? &kept_->made.score : nullptr);
+            const NextRun next = policy.next(built.outcome, keep_the_better(built));
             if (next == NextRun::none) {
-                if (kept_ && is_in_vain(*kept_, built, policy)) return before_it();
-                taken_ = {built.score, built.size_mm};
+                if (!best_) return std::move(built.model);
+                ANATOMESH_TRY(Model model, best_model());
                 // Where planes cross, contours force cells more than those between them do.
-                if (!built.model.ok() || !known_.slices->arrangement.is_parallel())
-                    return std::move(built.model);
-                return retried(std::move(built));
+                if (!known_.slices->arrangement.is_parallel()) return model;
+                return retried(std::move(model));
             }
-            const Warning again = prepare(next, policy.slightly_finer(), std::move(built));
-            if (!config_.may_conform && kept_ && is_hardly_bad(kept_->made.score)) return conforming_one();
-            context_.warn(again);
+            context_.warn(prepare(next, policy.slightly_finer(), built));
         }
+    }
+
+    // Returns the outcome of the best model so far, `built` included; it keeps that model.
+    const RunOutcome* keep_the_better(BuiltOnce& built) {
+        if (built.model.ok() && (!best_ || is_better(built.outcome.score, best_->made.outcome.score))) {
+            best_.emplace(BestModel{std::move(built.model.value()),
+                                    config_,
+                                    context_.warnings,
+                                    {built.outcome, built.size_mm},
+                                    count_});
+        }
+        return best_ ? &best_->made.outcome : nullptr;
     }
 
     // Where structures are nested or drawn twice, walls between them all round, longer edges only cost runs:
@@ -112,9 +115,10 @@ class RetryDriver {
     // better. Where both are refused, or that would have too many cells, that is the end of it, if most of
     // what is drawn has such walls.
     std::optional<Result<Model>> between_walls(BuiltOnce& first) {
-        const RunScore& was = first.score;
+        const RunScore& was = first.outcome.score;
         const bool refused = !first.model.ok();
-        const bool may_be_better = refused ? was.size_matters : was.unmet_clauses > 1 || was.missed > 0;
+        const bool may_be_better =
+            refused ? first.outcome.course.size_matters : was.unmet_clauses > 1 || was.missed > 0;
         if (!may_be_better || config_.size_given || contours_.structures.size() < 2 || !known_.field)
             return std::nullopt;
         const std::optional<WallSize> walls =
@@ -139,16 +143,15 @@ class RetryDriver {
         context_.warnings.resize(known_.warnings);
         BuiltOnce other = build(observer_);
         const bool is_cancelled = !other.model.ok() && other.model.error().kind == ErrorKind::cancelled;
-        const bool is_better = first.model.ok()
-                                   ? other.model.ok() && other.score.unmet_clauses < first.score.unmet_clauses
-                                   : other.model.ok() || walls.share >= most_of_all;
-        if (!is_better && !is_cancelled) {
+        const bool is_taken = first.model.ok() ? is_better(other.outcome.score, first.outcome.score)
+                                               : other.model.ok() || walls.share >= most_of_all;
+        if (!is_taken && !is_cancelled) {
             config_ = before;
             context_.warnings = std::move(warnings);
             shown_is_another_ = true;
             return std::nullopt;
         }
-        taken_ = {other.score, other.size_mm};
+        taken_ = {other.outcome, other.size_mm};
         context_.warn({"W-PIP-001",
                        "structures run about " + brief(walls.thickness_mm) +
                            " mm beside each other nearly everywhere, and edges of " + brief(first.size_mm) +
@@ -169,10 +172,10 @@ class RetryDriver {
 
     // Of the next run. Slightly finer ones, and what comes after them, go by the first that conformed.
     double next_size(NextRun next, std::size_t slightly_finer_runs, const BuiltOnce& built) {
-        if (!built.score.conformed || first_size_mm_ == 0) first_size_mm_ = built.size_mm;
+        if (!built.outcome.course.conformed || first_size_mm_ == 0) first_size_mm_ = built.size_mm;
         switch (next) {
             case NextRun::slightly_finer:
-                return slightly_finer[slightly_finer_runs - 1] * first_size_mm_;
+                return slightly_finer_sizes[slightly_finer_runs - 1] * first_size_mm_;
             case NextRun::finer:
                 first_size_mm_ = 0;
                 return finer * built.size_mm;
@@ -182,21 +185,13 @@ class RetryDriver {
     }
 
     // Returns what is to be said of the next run.
-    Warning prepare(NextRun next, std::size_t slightly_finer_runs, BuiltOnce built) {
-        const bool conformed = built.score.conformed;
+    Warning prepare(NextRun next, std::size_t slightly_finer_runs, const BuiltOnce& built) {
+        const RunScore& score = built.outcome.score;
+        const bool conformed = built.outcome.course.conformed;
         const double size_mm = next_size(next, slightly_finer_runs, built);
-        const bool ill_shaped =
-            !built.score.kept_contract || built.score.over_bound > contract::share_over_bound;
+        const bool ill_shaped = !score.kept_contract || score.over_bound > contract::share_over_bound;
         const std::string error = built.model.ok() ? "" : built.model.error().message;
-        const Warning again = built_again(next, built.score, error, size_mm);
-        if (built.model.ok() &&
-            !(kept_ && built.score.conformed_badly && is_worse(built.score, kept_->made.score))) {
-            kept_.emplace(KeptModel{std::move(built.model.value()),
-                                    config_,
-                                    context_.warnings,
-                                    {built.score, built.size_mm},
-                                    sought_by(next, built.score)});
-        }
+        sought_ = sought_by(next, built.outcome);
         if (conformed && next == NextRun::same_size) config_.may_conform = false;
         config_.options.size_mm = size_mm;
         if (!conformed) {
@@ -205,66 +200,57 @@ class RetryDriver {
         }
         if (!warnings_before_) warnings_before_ = known_.warnings;
         context_.warnings.resize(*warnings_before_);
-        return again;
+        return built_again(next, built.outcome, error, size_mm);
     }
 
-    // Of those tried that split contour segments for each other's sake the least bad.
-    Result<Model> conforming_one() {
-        context_.warnings = std::move(kept_->warnings);
-        config_ = kept_->config;
-        taken_ = kept_->made;
-        shown_is_another_ = count_ > 1;
-        return std::move(kept_->model);
-    }
-
-    Result<Model> before_it() {
-        context_.warnings = std::move(kept_->warnings);
+    // The best of those made. Where later ones were made in vain, it is said.
+    Result<Model> best_model() {
+        taken_ = best_->made;
+        if (best_->run == count_) return std::move(best_->model);
+        config_ = best_->config;
+        context_.warnings = std::move(best_->warnings);
         context_.warn({"W-PIP-001",
-                       "a further run was no better: " + kept_->sought,
+                       "a further run was no better: " + sought_,
                        {},
                        "the model of the earlier run was kept"});
-        config_ = kept_->config;
-        taken_ = kept_->made;
         shown_is_another_ = true;
-        return std::move(kept_->model);
+        return std::move(best_->model);
     }
 
-    Result<Model> retried(BuiltOnce built) {
-        const std::size_t warnings = built.known.warnings;
+    Result<Model> retried(Model model) {
+        const std::size_t warnings = known_.warnings;
         const auto build_again = [&](double target_mean_ratio) {
             context_.warnings.resize(warnings);
             config_.target_mean_ratio = target_mean_ratio;
             return build({}).model;
         };
         const double first = config_.target_mean_ratio;
-        ANATOMESH_TRY(RetriedModel even, retry_for_mean_ratio(std::move(built.model.value()), built.size_mm,
-                                                              build_again, context_));
+        ANATOMESH_TRY(RetriedModel even,
+                      retry_for_mean_ratio(std::move(model), taken_.size_mm, build_again, context_));
         config_.target_mean_ratio = even.target_mean_ratio.value_or(first);
-        shown_is_another_ = even.target_mean_ratio.has_value();
+        shown_is_another_ = shown_is_another_ || even.target_mean_ratio.has_value();
         return std::move(even.model);
     }
 
-    // Another one in its place, with slightly shorter edges, if that is joined more as drawn, or has the
-    // contours that it lacks; until all clauses are met.
+    // A better one in its place, with slightly shorter edges; until all clauses are met.
     Result<Model> slightly_shorter_one(Model model) {
-        const bool tangled = is_tangled(taken_.score);
+        const bool tangled = is_tangled(taken_.outcome);
         const std::size_t runs = count_;
         const double first_mm = taken_.size_mm;
-        KeptModel best{std::move(model), config_, context_.warnings, taken_, ""};
+        BestModel best{std::move(model), config_, context_.warnings, taken_, count_};
         for (std::size_t n = 0; n < slightly_shorter.size(); ++n) {
-            const double share = slightly_shorter[n];
-            const bool is_worth_it = n < shorter_runs || best.made.score.cells < very_small_below;
-            const bool lacks_clauses = is_worth_it && may_meet_all_clauses(best.made.score, runs);
+            const bool is_worth_it = n < shorter_runs || best.made.outcome.course.cells < very_small_below;
+            const bool lacks_clauses = is_worth_it && may_meet_all_clauses(best.made.outcome, runs);
             const bool untangles = tangled && n == 0;
             if (!lacks_clauses && !untangles) break;
-            config_.options.size_mm = untried(share * first_mm);
+            config_.options.size_mm = untried(slightly_shorter[n] * first_mm);
             context_.warnings.resize(warnings_before_.value_or(known_.warnings));
             BuiltOnce other = build({});
             if (!other.model.ok() && other.model.error().kind == ErrorKind::cancelled)
                 return std::move(other.model);
-            const bool is_untangled = untangles && is_less_tangled(other.score, best.made.score);
-            if (!is_untangled && !(lacks_clauses && meets_more_clauses(other.score, best.made.score)))
-                continue;
+            if (!is_better(other.outcome.score, best.made.outcome.score)) continue;
+            const bool is_untangled =
+                other.outcome.score.spurious_joints < best.made.outcome.score.spurious_joints;
             context_.warn(
                 {"W-PIP-001",
                  "with edges of " + brief(first_mm) +
@@ -274,8 +260,8 @@ class RetryDriver {
                  {},
                  "the model was built again with edges of " + brief(config_.options.size_mm) + " mm"});
             shown_is_another_ = true;
-            taken_ = {other.score, other.size_mm};
-            best = {std::move(other.model.value()), config_, context_.warnings, taken_, ""};
+            taken_ = {other.outcome, other.size_mm};
+            best = {std::move(other.model.value()), config_, context_.warnings, taken_, count_};
         }
         config_ = best.config;
         context_.warnings = std::move(best.warnings);
@@ -321,8 +307,9 @@ class RetryDriver {
     RunConfig config_;
     FieldAndVolumes known_;
     std::optional<std::size_t> warnings_before_;  // of the contours and their field
-    std::optional<KeptModel> kept_;
-    Made taken_;  // of the model to be returned
+    std::optional<BestModel> best_;
+    std::string sought_;  // what the last run was made for
+    Made taken_;          // of the model to be returned
     std::size_t count_ = 0;
     WorkReport work_;            // of all runs
     std::vector<double> sizes_;  // of all runs

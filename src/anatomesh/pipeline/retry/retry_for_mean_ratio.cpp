@@ -12,11 +12,16 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double most_mean = 0.95;         // of the radius-edge ratio
-constexpr double least_mean_gain = 0.005;  // of a model that does not get there
+// A model with a higher mean radius-edge ratio is built again. [ratio; > 0.6; M 2026-11, docs/experiments/2026-11-28-retries.md]
+constexpr double most_mean = 0.95;
+// A model that does not get there is taken if it gains so much. [ratio; > 0; M 2026-11, set not recorded]
+constexpr double least_mean_gain = 0.005;
+// What refinement aims at, from run to run. [ratio; 0.9 to 1; M 2026-11, docs/experiments/2026-11-28-retries.md]
 constexpr std::array<double, 3> target_mean_ratios{0.99, 0.98, 0.965};
-constexpr std::size_t small_model = 30000;  // cells
-constexpr double near_enough = 0.5;         // to the field, in sizes: farther off it is warned of
+// A model of this size and more is not built again for its mean. [cells; > 0; B]
+constexpr std::size_t small_model = 30000;
+// A surface so near to the field's counts as on it; farther off it is warned of. [sizes; > 0; C]
+constexpr double near_enough = 0.5;
 
 bool exceeds_mean_ratio(const Model& model) {
     return model.report.quality.radius_edge_mean > most_mean;

@@ -4,11 +4,11 @@
 
 namespace anatomesh {
 
-Warning built_again(NextRun next, const RunScore& score, const std::string& error, double size_mm) {
+Warning built_again(NextRun next, const RunOutcome& outcome, const std::string& error, double size_mm) {
     // Of a message up to the figures, which are of a model that nobody gets.
-    const std::string reason = !error.empty() ? error.substr(0, error.find(" ("))
-                               : score.torn   ? "a thin wall had holes"
-                               : score.conformed_badly
+    const std::string reason = !error.empty()       ? error.substr(0, error.find(" ("))
+                               : outcome.score.torn ? "a thin wall had holes"
+                               : conformed_badly(outcome)
                                    ? "a tetrahedron had a bad shape without a reason in the contours"
                                    : "too many tetrahedra had a radius-edge ratio above 2";
     return {"W-PIP-001",
@@ -19,9 +19,9 @@ Warning built_again(NextRun next, const RunScore& score, const std::string& erro
             "the model was built again with edges of " + brief(size_mm) + " mm"};
 }
 
-std::string sought_by(NextRun next, const RunScore& score) {
+std::string sought_by(NextRun next, const RunOutcome& outcome) {
     return std::string(next != NextRun::same_size ? "a shorter edge length" : "another way to build it") +
-           " for the sake of " + (score.torn ? "torn walls" : "ill-shaped tetrahedra");
+           " for the sake of " + (outcome.score.torn ? "torn walls" : "ill-shaped tetrahedra");
 }
 
 }  // namespace anatomesh

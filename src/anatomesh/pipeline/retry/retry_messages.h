@@ -10,9 +10,9 @@ namespace anatomesh {
 
 // Of a model that is built again, W-PIP-001: why, and with what edge length. `error`: its message where there
 // is no model, else empty. Requires: next is not none.
-Warning built_again(NextRun next, const RunScore& score, const std::string& error, double size_mm);
+Warning built_again(NextRun next, const RunOutcome& outcome, const std::string& error, double size_mm);
 
 // What is tried next and for what sake, of a model that keeps the contract.
-std::string sought_by(NextRun next, const RunScore& score);
+std::string sought_by(NextRun next, const RunOutcome& outcome);
 
 }  // namespace anatomesh

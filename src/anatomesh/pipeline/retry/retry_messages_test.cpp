@@ -8,19 +8,20 @@ namespace anatomesh::retry_messages_test {
 namespace {
 
 TEST(RetryMessages, a_model_built_again_says_why_and_how) {
-    RunScore score;
-    const Warning refused = built_again(NextRun::finer, score, "clause 6 is broken (12 % of 3)", 1.5);
+    RunOutcome outcome;
+    const Warning refused = built_again(NextRun::finer, outcome, "clause 6 is broken (12 % of 3)", 1.5);
     EXPECT_EQ(refused.code, "W-PIP-001");
     EXPECT_NE(refused.message.find("too long for the smallest parts: clause 6 is broken"), std::string::npos);
     EXPECT_EQ(refused.message.find("12 %"), std::string::npos) << "figures of a model that nobody gets";
-    score.conformed_badly = true;
+    outcome.course.conformed = true;
+    outcome.score.bad = 1e-3;
     EXPECT_NE(
-        built_again(NextRun::same_size, score, "", 1.5).message.find("without a reason in the contours"),
+        built_again(NextRun::same_size, outcome, "", 1.5).message.find("without a reason in the contours"),
         std::string::npos);
-    EXPECT_EQ(sought_by(NextRun::same_size, score),
+    EXPECT_EQ(sought_by(NextRun::same_size, outcome),
               "another way to build it for the sake of ill-shaped tetrahedra");
-    score.torn = true;
-    EXPECT_EQ(sought_by(NextRun::finer, score), "a shorter edge length for the sake of torn walls");
+    outcome.score.torn = true;
+    EXPECT_EQ(sought_by(NextRun::finer, outcome), "a shorter edge length for the sake of torn walls");
 }
 
 }  // namespace

@@ -13,12 +13,19 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double near_share = 0.2;     // of the size: so near is a wall
-constexpr double shared_share = 2e-3;  // of the size: nearer than that is on the other one
-constexpr double least_part = 0.5;     // of a structure's vertices that run beside others
-constexpr double sizes_across = 2.5;   // edge length, in thicknesses
-constexpr double finer_by = 0.7;       // less is not worth another model
+// Another structure's contour so near makes a wall. [sizes; 0 to 1; M 2026-11, docs/experiments/2026-11-28-retries.md]
+constexpr double near_share = 0.2;
+// Nearer than this, a vertex is on the other contour. [sizes; 0 to near_share; M 2026-11, set not recorded]
+constexpr double shared_share = 2e-3;
+// A structure has walls all round if such a share of its vertices runs beside others. [share; 0 to 1; M 2026-11, docs/experiments/2026-11-28-retries.md]
+constexpr double least_part = 0.5;
+// So many thicknesses make an edge with which cells between two surfaces are no flakes. [thicknesses; > 0; M 2026-11, docs/experiments/2026-11-28-retries.md]
+constexpr double sizes_across = 2.5;
+// An edge length that is hardly shorter is not worth another model. [ratio; 0 to 1; M 2026-11, set not recorded]
+constexpr double finer_by = 0.7;
+// So many cells are made for each square of an edge on the surfaces; 40 to 75 were seen. [cells; > 0; M 2026-11, docs/experiments/2026-11-28-retries.md]
 constexpr double cells_per_square = 75;
+// So many vertices of a contour are looked at. [vertices; > 0; B]
 constexpr std::size_t most_looked_at = 64;
 
 // From the contours of other structures in the slice that come within `reach`; infinite without any.

@@ -216,7 +216,7 @@ std::size_t cells_so_far(const RunState& run) {
     return run.growing ? run.growing->mesh.regions().size() : 0;
 }
 
-RunScore score_of_run(const RunState& run, const Result<Model>& model) {
+RunOutcome outcome_of_run(const RunState& run, const Result<Model>& model) {
     const Effort effort = run.prepared ? run.prepared->effort : Effort{};
     const bool recovered = run.cut.recovered.missing_after < run.cut.recovered.missing_before;
     RunFacts facts;
@@ -232,13 +232,13 @@ RunScore score_of_run(const RunState& run, const Result<Model>& model) {
     // Or it was not looked at.
     const bool is_contradicted = run.prepared && !run.prepared->contradicted.empty();
     facts.contradicted = !effort.is_apart() && (!effort.fits_sections || is_contradicted);
-    if (!model.ok()) return score_of(model, run.model.report, facts);
+    if (!model.ok()) return outcome_of(model, run.model.report, facts);
     const ModelReport& report = model.value().report;
     facts.torn = tore_a_structure(run);
     facts.spurious_joints = spurious_places(run.topology);
     facts.deviates = effort.conforming && effort.is_dense() &&
                      report.field.distance.max_mm > most_deviation * run.size_mm();
-    return score_of(model, report, facts);
+    return outcome_of(model, report, facts);
 }
 
 }  // namespace
@@ -247,11 +247,11 @@ BuiltOnce build_once(const ContourSet& contours, const RunConfig& config, RunCon
                      const StageObserver& observer, FieldAndVolumes known) {
     RunState run{.source = contours, .config = config, .known = std::move(known)};
     Result<Model> model = run_to_model(run, context, observer);
-    const RunScore score = score_of_run(run, model);
+    const RunOutcome outcome = outcome_of_run(run, model);
     const WorkReport work{1, run.growing ? run.growing->mesh.cells_made() : 0, run.edited_cells,
                           run.prepared && run.prepared->counted ? run.prepared->counted->values() : 0};
     FieldAndVolumes found = run.prepared ? std::move(run.prepared->known) : std::move(run.known);
-    return {std::move(model), score, std::move(found), run.size_mm(), work};
+    return {std::move(model), outcome, std::move(found), run.size_mm(), work};
 }
 
 }  // namespace anatomesh

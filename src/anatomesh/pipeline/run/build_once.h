@@ -13,7 +13,7 @@ namespace anatomesh {
 
 struct BuiltOnce {
     Result<Model> model;
-    RunScore score;
+    RunOutcome outcome;
     FieldAndVolumes known;
     double size_mm = 0;  // the edge length aimed at; 0: it did not come so far
     WorkReport work;
