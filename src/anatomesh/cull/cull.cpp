@@ -144,7 +144,9 @@ class CellClassifier {
     Side side_;
 };
 
-constexpr std::size_t grain = 512;  // [cells at a time; >= 1; B]
+// A thread takes so many cells at a time; each piece numbers its own regions, so that numbers are the same
+// for any number of threads. [cells; >= 1; B]
+constexpr std::size_t grain = 512;
 
 // Numbers of regions that are the same at any thread count: each piece of the work numbers the sets it meets, and the
 // pieces' numbers are joined in order.

@@ -20,8 +20,10 @@ namespace {
 constexpr std::uint32_t removed = DelaunayKernel::removed;
 constexpr std::uint32_t most_slots = 1u << 30;  // A link is 4 * slot + facet, in 32 bits. [slots; > 0; D]
 
-constexpr int most_regions = 64;                 // [regions of space; 1 to 255; B]
-constexpr std::size_t least_for_threads = 4000;  // One thread inserts fewer points sooner. [points; >= 0; B]
+// Space is parted for so many threads at most. [regions of space; 1 to 255; B]
+constexpr int most_regions = 64;
+// One thread inserts fewer points sooner than many do. [points; >= 0; B]
+constexpr std::size_t least_for_threads = 4000;
 // In a fine mesh fewer are enough: their cavities are small beside the regions. [points; >= 0; B]
 constexpr std::size_t least_in_fine = 150;
 constexpr std::size_t fine_mesh = 16;  // It has so many times as many vertices. [1; > 0; B]
@@ -85,7 +87,9 @@ struct DelaunayKernel::Anchors {
     }
 
   private:
-    static constexpr std::size_t per_axis = 32;  // [boxes; >= 1; B]
+    // The box has so many anchors along each axis: more need longer to be set than they save in walks.
+    // [boxes; >= 1; B]
+    static constexpr std::size_t per_axis = 32;
     Vec3 low_, scale_;
     std::vector<std::uint32_t> slots_;
 };
@@ -388,7 +392,9 @@ void DelaunayKernel::make_cells(Worker& worker, std::uint32_t vertex) {
                  worker.corners[facet.corner[2]]);
     }
     for (; n < worker.cavity.size(); ++n) worker.free_slots.push_back(worker.cavity[n] >> 2);
-    constexpr std::size_t most_in_table = 256;  // [vertices; >= 0; B]
+    // Larger cavities are linked by sorting, because the table grows with the square of their vertices.
+    // [vertices; >= 0; B]
+    constexpr std::size_t most_in_table = 256;
     if (worker.corners.size() <= most_in_table) {
         link_by_table(worker, cells_);
     } else {
@@ -606,7 +612,8 @@ void DelaunayKernel::insert_in_regions(Worker& main, std::vector<std::uint32_t>&
 
 // Some of the cells in each worker's region, all over it.
 void DelaunayKernel::drop_anchors(std::vector<Worker>& workers, int threads) const {
-    constexpr std::size_t most_looked_at = 1 << 15;  // [cells; >= 1; B]
+    // So many cells, all over the mesh, give the anchors of a worker. [cells; >= 1; B]
+    constexpr std::size_t most_looked_at = 1 << 15;
     const std::size_t step = cells_.size() / most_looked_at + 1;
     parallel_for(workers.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t r = begin; r < end; ++r) {
@@ -624,7 +631,8 @@ void DelaunayKernel::drop_anchors(std::vector<Worker>& workers, int threads) con
 // A cell in the worker's region near one of its points, as its last cell; which point that is.
 std::size_t DelaunayKernel::find_start(Worker& main, Worker& worker,
                                        std::span<const std::uint32_t> vertices) const {
-    constexpr std::size_t tries = 32;  // [cells; >= 1; B]
+    // So many of a worker's points are tried to find a cell in its region to start from. [points; >= 1; B]
+    constexpr std::size_t tries = 32;
     for (std::size_t t = 0; t < tries; ++t) {
         const std::size_t n = vertices.size() * ((2 * t + tries) % (2 * tries) + 1) / (2 * tries);
         std::uint32_t found = 0;

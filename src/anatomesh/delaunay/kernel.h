@@ -25,6 +25,7 @@ namespace anatomesh {
 class DelaunayKernel {
   public:
     // The vertex of all ghost cells. [index; 0x7FFFFFFF; D]
+    // It is the vertex of all ghost cells. [index; 2^31 - 1; D]
     static constexpr std::uint32_t infinite_vertex = 0x7FFFFFFFu;
     // Set in vertex[0] of a slot that holds no cell. [bit; 0x80000000; D]
     static constexpr std::uint32_t removed = 0x80000000u;

@@ -19,7 +19,8 @@ namespace {
 struct Step {
     std::uint8_t digit, frame;
 };
-constexpr int frame_count = 24;  // Entry corner (8) x direction (3). [frames; 24; D]
+// A frame of the curve has one of eight corners to enter by and one of three directions. [frames; 24; D]
+constexpr int frame_count = 24;
 
 constexpr unsigned rotated_left(unsigned bits, unsigned by) {
     return ((bits << (by % 3)) | (bits >> (3 - by % 3))) & 7u;
@@ -52,7 +53,8 @@ constexpr auto steps = hilbert_steps();
 
 constexpr int key_levels =
     16;  // So many halvings of the box along each axis fit into 64 bits. [halvings; 1 to 21; D]
-constexpr int key_bits = 3 * key_levels;  // [bits; 3 to 63; D]
+// A key has three bits for each level of the curve. [bits; 3 to 63; D]
+constexpr int key_bits = 3 * key_levels;
 
 // Places of points along the Hilbert curve that fills a box.
 class HilbertCurve {
@@ -80,7 +82,8 @@ class HilbertCurve {
     }
 
   private:
-    static constexpr double cells = 1 << key_levels;  // [cells along an axis; 2^key_levels; D]
+    // The curve parts each axis into so many cells. [cells; 2^key_levels; D]
+    static constexpr double cells = 1 << key_levels;
     std::uint32_t place(double value, double half_low) const {
         const double at = 2 * ((0.5 * value - half_low) * scale_);
         return static_cast<std::uint32_t>(std::clamp(at, 0.0, cells - 1));
@@ -99,7 +102,8 @@ struct Keyed {
 
 // By key, stable: eleven bits at a time, from the lowest.
 void radix_sort(std::vector<Keyed>& items, int bits) {
-    constexpr int digit_bits = 11;  // [bits; 1 to 16; B]
+    // The radix sort takes so many bits at a time: its counters stay in the cache. [bits; 1 to 16; B]
+    constexpr int digit_bits = 11;
     std::vector<Keyed> other(items.size());
     for (int shift = 0; shift < bits; shift += digit_bits) {
         std::array<std::uint32_t, (1 << digit_bits) + 1> begins{};
@@ -122,7 +126,9 @@ void sort_by_coordinates(std::span<const Vec3> points, std::span<Keyed> items) {
 // own.
 void settle_runs(std::span<const Vec3> points, std::span<Keyed> items,
                  std::vector<std::span<Keyed>>& long_runs) {
-    constexpr std::size_t least = 16;  // [points; >= 1; B]
+    // So many points in one cell of the curve get a curve of their own; fewer are sorted by coordinates.
+    // [points; >= 1; B]
+    constexpr std::size_t least = 16;
     for (std::size_t begin = 0, end = 0; begin < items.size(); begin = end) {
         while (end < items.size() && items[end].key == items[begin].key) ++end;
         const std::span<Keyed> run = items.subspan(begin, end - begin);
@@ -161,8 +167,9 @@ std::uint64_t mixed(std::uint64_t bits) {
 // It depends on the digits of the coordinates, not on their exponents: other units of length that are a power
 // of two times as long change nothing.
 unsigned round_from_last(Vec3 p, std::uint64_t key, unsigned most) {
-    constexpr std::uint64_t digits =
-        (std::uint64_t{1} << 52) - 1;  // [bits of a double; 2^52 - 1; D IEEE 754]
+    // The mask leaves the digits of a double without sign and exponent.
+    // [bits of a double; 2^52 - 1; D IEEE 754]
+    constexpr std::uint64_t digits = (std::uint64_t{1} << 52) - 1;
     std::uint64_t bits = mixed(key + 0x9E3779B97F4A7C15u);
     for (const double value : {p.x, p.y, p.z})
         bits = mixed(bits + (std::bit_cast<std::uint64_t>(value) & digits));
@@ -172,7 +179,9 @@ unsigned round_from_last(Vec3 p, std::uint64_t key, unsigned most) {
 }  // namespace
 
 SpatialOrder spatial_order(std::span<const Vec3> points, std::size_t known, int threads) {
-    constexpr std::size_t smallest_round = 64;  // [points; >= 1; B]
+    // A round of insertion has at least so many points: smaller ones cost more than they even out.
+    // [points; >= 1; B]
+    constexpr std::size_t smallest_round = 64;
     unsigned rounds = 1;
     for (std::size_t size = points.size(); size / 8 > std::max(known, smallest_round); size /= 8) ++rounds;
 

@@ -33,7 +33,8 @@ struct DelaunaySnapshot {
 // point. 64 bytes a cell. Follows: see kernel.h.
 class Tetrahedralization {
   public:
-    static constexpr std::size_t most_points = std::size_t{1} << 27;  // [points; > 0; D links of 32 bits]
+    // More points are refused: links of cells are numbers of 32 bits. [points; > 0; D links of 32 bits]
+    static constexpr std::size_t most_points = std::size_t{1} << 27;
 
     // `threads`: at least 1; how many work at once.
     // Errors: geometry E-DEL-001 fewer than four distinct points, or all of them in one plane (M-01);

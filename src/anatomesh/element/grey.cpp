@@ -12,7 +12,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t cells_at_once = 512;  // [cells; >= 1; B]
+// A thread takes so many cells at a time. [cells; >= 1; B]
+constexpr std::size_t cells_at_once = 512;
 
 // The image with the map from space to its voxels.
 class Sampler {

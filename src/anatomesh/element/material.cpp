@@ -25,7 +25,8 @@ double raw_density(const MaterialLaw& law, double grey) {
     return std::max(0.0, law.intercept + law.slope * grey);
 }
 
-constexpr double tonnes_per_mm3 = 1e-9;  // 1 g/cm3. [t/mm^3; 1e-9; D]
+// Densities are given in g/cm3 and needed in tonnes per mm3, which go with mm, s and MPa. [t/mm^3; 1e-9; D]
+constexpr double tonnes_per_mm3 = 1e-9;
 
 // A mean by volume that is exact where all values are equal.
 class Mean {

@@ -19,7 +19,8 @@ namespace {
 constexpr double flattest_crease = 0.8;
 constexpr int halvings =
     4;  // A node pulled back more often than this goes to the middle. [halvings; >= 0; B]
-constexpr std::size_t grain = 1024;  // [cells at a time; >= 1; B]
+// A thread takes so many cells at a time. [cells; >= 1; B]
+constexpr std::size_t grain = 1024;
 
 using Edge = std::array<std::uint32_t, 2>;
 

@@ -11,7 +11,7 @@ namespace anatomesh {
 
 namespace {
 
-// The unit roundoff of a double. [1; > 0; D]
+// A sum or product of doubles is off by this share of it at most: the unit roundoff. [1; > 0; D IEEE 754]
 constexpr double roundoff = 0x1p-53;
 // The few products of a determinant lose less than this to underflow. [1; > 0; D]
 constexpr double underflow = 0x1p-1070;

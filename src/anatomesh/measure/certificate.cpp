@@ -252,8 +252,9 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
             report.listed_cells.cells.push_back(std::move(listed));
     }
     if (input.contours) {
-        // Pieces of a fixed size: the same mean at any number of threads.
-        constexpr std::size_t grain = 16384;  // [cells at a time; >= 1; B]
+        // A thread takes so many cells at a time; sums of such pieces are added in order, so that they are
+        // the same for any number of threads. [cells; >= 1; B]
+        constexpr std::size_t grain = 16384;
         const std::size_t cells = shapes.radius_edge.size();
         std::vector<double> sums(cells / grain + 1, 0);
         std::vector<std::uint64_t> counts(sums.size(), 0);

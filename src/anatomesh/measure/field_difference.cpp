@@ -14,8 +14,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double most_points = 100'000;        // A lattice has no more. [points; >= 1; B]
-constexpr std::size_t columns_at_a_time = 64;  // [columns; >= 1; B]
+constexpr double most_points = 100'000;  // A lattice has no more. [points; >= 1; B]
+// A thread takes so many columns of the lattice at a time. [columns; >= 1; B]
+constexpr std::size_t columns_at_a_time = 64;
 // The tangent of the lattice's angle is the number that fractions approximate worst. [1; 0 to 1; D golden ratio]
 constexpr double golden = 0.6180339887498949;
 

@@ -15,12 +15,14 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t all_middles_up_to = 100'000;  // [facets; >= 1; B]
+// Up to so many facets the middle of each is measured; of more, some are left out evenly. [facets; >= 1; B]
+constexpr std::size_t all_middles_up_to = 100'000;
 // From this share of the clamp on the field may mean more. [1; 0 to 1; D]
 constexpr double saturated = 0.95;
-constexpr std::size_t looked_at =
-    1000;                 // Points whose distance is found by looking round them. [points; >= 0; B]
-constexpr int steps = 8;  // Steps lead to the value. [steps; >= 1; B]
+// The distance of so many points is found by looking round them. [points; >= 0; B]
+constexpr std::size_t looked_at = 1000;
+// A search round a point widens in so many steps up to the field's value. [steps; >= 1; B]
+constexpr int steps = 8;
 
 // A surface: of one of the model's structures, or, with their number, of all of them together.
 struct Measured {

@@ -143,8 +143,8 @@ std::vector<Vec3> area_samples(const SurfaceMesh& surface, std::uint64_t count) 
     double total = 0;
     for (const Triangle& f : surface.triangles) total += twice_area(surface, f);
     assert(total > 0);
-    // R2: multiples of 1/g and 1/g^2 modulo 1, g the root of g^3 = g + 1.
-    constexpr double g = 1.32471795724474602596;  // [1; root of g^3 = g + 1; D]
+    // R2 takes multiples of 1/g and 1/g^2 modulo 1, which fill a square evenly. [1; root of g^3 = g + 1; D]
+    constexpr double g = 1.32471795724474602596;
     std::vector<Vec3> samples;
     samples.reserve(count);
     double passed = 0;  // area of the triangles before the current one

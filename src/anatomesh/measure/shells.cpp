@@ -11,7 +11,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t no_shell = 0xFFFFFFFFu;  // [index that no shell has; 0xFFFFFFFF; D]
+// It stands for no shell. [index; 2^32 - 1; D]
+constexpr std::uint32_t no_shell = 0xFFFFFFFFu;
 
 std::size_t count_of(std::span<const std::uint32_t> shell_of) {
     return shell_of.empty() ? 0 : std::size_t{*std::max_element(shell_of.begin(), shell_of.end())} + 1;

@@ -169,7 +169,8 @@ std::vector<SliceSection> slice_sections(std::span<const Vec3> points,
             const double off_plane = farthest_off_plane(contours, slice) + tolerance;
             SectionBoundary boundary(points, slice.plane, off_plane, drawn_here);
             SliceSection measured{s, k, 0, 0};
-            constexpr double far = 1e12;  // Beyond everything. [mm; > 0; D]
+            // A box of this half width lies around everything that coordinates can reach. [mm; > 1e7; D]
+            constexpr double far = 1e12;
             const Box2 extent = parallel ? Box2{{-far, -far}, {far, far}} : frames[k];
             bool drawn = false;
             const auto mark = [&](std::uint8_t value) {

@@ -19,11 +19,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t no_slice = 0xFFFFFFFFu;  // [1; -; D]
+// It stands for no slice. [index; 2^32 - 1; D]
+constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
 // Planes that are nearer to each other and whose normals differ by less are one, as cleaning has it.
 // [mm; > 0; D as group_tolerance_mm of cleaning]
 constexpr double same_plane_mm = 0.01;
-// See there. [1; > 0; M 2026-11, set not recorded]
+// The normals of such planes differ by less, as unit vectors. [1; > 0; M 2026-11, set not recorded]
 constexpr double same_normal = 1e-4;
 
 bool are_one(const Plane& p, const Plane& q) {

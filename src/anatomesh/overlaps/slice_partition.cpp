@@ -11,7 +11,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t nobody = 0xFFFFFFFFu;  // [1; -; D]
+// It stands for a face that no structure has. [index; 2^32 - 1; D]
+constexpr std::uint32_t nobody = 0xFFFFFFFFu;
 
 }  // namespace
 

@@ -15,7 +15,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_repetitions = 4;  // [repetitions; >= 0; B]
+// Slices that still differ get vertices there and are moved again, so often at most. [repetitions; >= 0; B]
+constexpr int most_repetitions = 4;
 // A repetition is kept if slices differ by this share less after it. [1; 0 to 1; M 2026-11 fetal brain]
 constexpr double least_repetition_gain = 0.2;
 // Ends of a fold are so many bounds apart at most, along the contour. [bounds; > 0; M 2026-11 fetal brain]

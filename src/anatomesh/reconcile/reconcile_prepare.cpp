@@ -17,7 +17,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_align_rounds = 12;  // [rounds; >= 1; B]
+// Shifts are found again, so often at most, because they change which ends match. [rounds; >= 1; B]
+constexpr int most_align_rounds = 12;
 
 // Shifts the contours of all slices; returns the length of the longest shift.
 double shift_slices(ContourSet& set, const std::vector<Vec2>& shifts) {

@@ -12,8 +12,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_rounds = 16;      // [rounds; >= 1; B]
-constexpr int most_idle_rounds = 6;  // [rounds; >= 1; B]
+// Contours are moved and cut with the planes again, so often at most. [rounds; >= 1; B]
+constexpr int most_rounds = 16;
+// After so many rounds in a row that gained little none follows. [rounds; >= 1; B]
+constexpr int most_idle_rounds = 6;
 // A round that leaves more than this share of the worst distance was idle. [1; 0 to 1; M 2026-11, set not
 // recorded]
 constexpr double idle_share = 0.9;

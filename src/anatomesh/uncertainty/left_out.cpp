@@ -16,8 +16,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t samples_per_slice =
-    16;                             // Points for a slice's distance from others. [points; >= 1; B]
+// So many points of a slice say how far it is from others. [points; >= 1; B]
+constexpr std::uint32_t samples_per_slice = 16;
 constexpr int steps_to_clamp = 12;  // A search along a line takes so many. [steps; >= 1; B]
 // Slices farther away do not count as near. [slice spacings; > 1; M 2026-11, set not recorded]
 constexpr double spacings_of_reach = 4;

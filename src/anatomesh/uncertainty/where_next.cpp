@@ -15,9 +15,12 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_samples = 40'000;     // [points; >= 1; B]
-constexpr std::size_t neighbors_of_a_slice = 4;  // [slices; >= 1; B]
-constexpr double cos_30 = 0.866;                 // [1; cosine of 30 degrees; D]
+// The expected error is summed over so many points of the surface at most. [points; >= 1; B]
+constexpr std::size_t most_samples = 40'000;
+// Candidates lie half-way between a slice and so many of its nearest neighbours. [slices; >= 1; B]
+constexpr std::size_t neighbors_of_a_slice = 4;
+// Neighbours are slices within 30 degrees, of which this is the cosine. [1, cosine; 0 to 1; D]
+constexpr double cos_30 = 0.866;
 // A plane does not meet places for sure whose normals are nearer to its own. [sine of the angle; 0 to 1; M 2026-11, set not recorded]
 constexpr double least_sine = 0.2;
 

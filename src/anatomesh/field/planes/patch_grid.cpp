@@ -153,7 +153,8 @@ void PatchGrid::add_within(Vec3 center, double reach, std::span<const std::uint3
 
 // Blocks of cells keep the patches near them, their cells choose from these.
 void PatchGrid::list_patches(const std::vector<std::uint32_t>& drawn, double cell, int threads) {
-    constexpr std::uint32_t block = 4;  // cells along each axis [cells; > 0; B]
+    // Cells choose their patches from those near a block of so many cells along each axis. [cells; > 0; B]
+    constexpr std::uint32_t block = 4;
     const std::uint32_t nx = cells_[0], ny = cells_[1], nz = cells_[2];
     const double half_diagonal = 0.5 * std::sqrt(3.0) * cell * (1 + 1e-9);
     const std::uint32_t bx = (nx + block - 1) / block, by = (ny + block - 1) / block;

@@ -17,8 +17,8 @@ namespace anatomesh {
 // points. Immutable; queries are const and thread-safe.
 class PatchGrid {
   public:
-    static constexpr std::uint32_t most_near =
-        16;  // patches that a query gives: the nearest [patches; > 0; B]
+    // A query gives the nearest patches, so many at most: further ones are hidden by these. [patches; > 0; B]
+    static constexpr std::uint32_t most_near = 16;
     // It stands for no patch. [index; 2^32 - 1; D]
     static constexpr std::uint32_t no_patch = 0xffffffffu;
 

@@ -12,7 +12,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_edges = 10'000'000;  // [edges; >= 1; B]
+// An overlay of two slices with more edges is not made, and nothing is said of the gap between them.
+// [edges; >= 1; B]
+constexpr std::size_t most_edges = 10'000'000;
 
 // All slices are seen along the normal of the first.
 const Plane& common_plane(const ContourSet& contours) {
@@ -125,7 +127,8 @@ std::vector<DrawnPart> drawn_parts(const ContourSet& contours, std::uint32_t sli
 
 std::vector<Continuation> continued_by(const ContourSet& contours, const std::vector<DrawnPart>& low,
                                        const std::vector<DrawnPart>& high) {
-    constexpr std::int32_t several = -2;  // [index that no part has; -2; D]
+    // It stands for several parts, where only one can be named. [index; -2; D]
+    constexpr std::int32_t several = -2;
     std::vector<Continuation> up(low.size());
     std::vector<std::int32_t> down(high.size(), -1);
     for (std::size_t a = 0; a < low.size(); ++a) {

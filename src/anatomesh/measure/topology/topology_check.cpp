@@ -237,9 +237,10 @@ class StackTopology {
     }
 
   private:
-    // Where a chain comes to a contour or curve.
-    static constexpr std::uint8_t from_below = 1;  // [bit; 1; D]
-    static constexpr std::uint8_t from_above = 2;  // [bit; 2; D]
+    // A part of the surface reaches a slice from below if this bit is set. [bit; 1; D]
+    static constexpr std::uint8_t from_below = 1;
+    // It reaches the slice from above if this bit is set. [bit; 2; D]
+    static constexpr std::uint8_t from_above = 2;
 
     std::vector<Window> all_windows() const {
         std::vector<Window> windows;

@@ -20,8 +20,10 @@ constexpr double pull_to_place = 0.02;
 constexpr double least_crossing_sine = 0.2;
 // Huber's bound is so many medians. [1; > 1; M 2026-11, set not recorded]
 constexpr double huber_medians = 1.5;
-constexpr int most_shift_steps = 200;        // [steps; >= 1; B]
-constexpr int most_translation_steps = 100;  // [steps; >= 1; B]
+// Conjugate gradients end after so many steps, wherever they are. [steps; >= 1; B]
+constexpr int most_shift_steps = 200;
+// The search for a common translation ends after so many steps, wherever it is. [steps; >= 1; B]
+constexpr int most_translation_steps = 100;
 // Shorter movements get no larger weight in the median. [mm; > 0; D]
 constexpr double least_length_mm = 1e-4;
 // Directions in which no slice moves get this stiffness, so that the equations have one solution. [1; > 0; D]

@@ -12,11 +12,14 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_shortenings = 16;  // [shortenings; >= 1; B]
+// A movement is shortened so often where contours would cross; then the place stays as it is.
+// [shortenings; >= 1; B]
+constexpr int most_shortenings = 16;
 // A step is shortened up to this far along the contour, and further where that did not help.
 // [mm; > 0; M 2026-11, set not recorded]
 constexpr double shortening_reach_mm = 3;
-constexpr int shortenings_per_reach = 4;  // [shortenings; >= 1; B]
+// After so many shortenings in vain the reach grows by shortening_reach_mm. [shortenings; >= 1; B]
+constexpr int shortenings_per_reach = 4;
 
 // Holds the moves of all nodes, and the share of each that keeps its slice sound.
 class BoundedMovement {

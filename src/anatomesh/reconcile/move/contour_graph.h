@@ -12,7 +12,8 @@
 
 namespace anatomesh {
 
-inline constexpr std::uint32_t no_node = 0xffffffffu;  // [1; -; D]
+// It stands for a place inside a segment. [index; 2^32 - 1; D]
+inline constexpr std::uint32_t no_node = 0xffffffffu;
 
 // Nodes are the distinct points of each slice.
 struct ContourGraph {

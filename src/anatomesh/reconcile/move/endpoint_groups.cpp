@@ -12,7 +12,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double same_point_mm = 1e-6;  // [mm; > 0; D]
+// Ends that lie no further apart across their direction are one point already.
+// [mm; 0 to joinable_mm; D rounding of doubles]
+constexpr double same_point_mm = 1e-6;
 // Places of contours along their line get this weight, so that no sum of weights is 0. [1; > 0; D]
 constexpr double least_weight = 1e-6;
 // A smaller determinant, per line cubed, is that of lines nearly parallel to each other. [1; > 0; D]

@@ -12,9 +12,12 @@ namespace {
 // A group's position is pulled to its usual value by so little that it decides only where nothing else does.
 // [mm; > 0; D]
 constexpr double pull_to_usual = 1e-4;
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();  // [1; -; D]
-constexpr int most_gradient_steps = 1000;                                  // [steps; >= 1; B]
-constexpr double gradient_precision = 1e-5;  // of the first residual [1; 0 to 1; B]
+// It stands for a node that is held, and so is no unknown. [index; 2^32 - 1; D]
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+// Conjugate gradients end after so many steps, wherever they are. [steps; >= 1; B]
+constexpr int most_gradient_steps = 1000;
+// They end where the residual is this share of the first one. [1; 0 to 1; B]
+constexpr double gradient_precision = 1e-5;
 
 // Holds the chains of free nodes, each with two edges, between the other nodes. The movements of a chain
 // follow from those of the two nodes at its ends, so its energy is a quadratic form in these alone.

@@ -14,6 +14,7 @@ inline constexpr double same_axis_sine = 1e-6;
 // Contours are led by their neighbours only if those are not farther apart, about the axis.
 // [degrees; 0 to 180; M 2026-11 69 random sets about an axis]
 inline constexpr double widest_gap_degrees = 150;
-inline constexpr int most_regularizing_steps = 50;  // [steps; >= 1; B]
+// Contours go half of their way in each step, and have as good as all of it after so many. [steps; >= 1; B]
+inline constexpr int most_regularizing_steps = 50;
 
 }  // namespace anatomesh

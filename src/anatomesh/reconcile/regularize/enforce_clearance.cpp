@@ -18,7 +18,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_passes = 4;  // [passes; >= 1; B]
+// What moves away from one contour may come near another, so that passes are made, so many at most.
+// [passes; >= 1; B]
+constexpr int most_passes = 4;
 // Contours nearer than this share of the clearance nearly touch. [1; 0 to 1; M 2026-11 69 random sets about
 // an axis]
 constexpr double nearly_touching = 0.5;

@@ -12,7 +12,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t block_size = 16;  // [points; >= 1; B]
+// So many points of a contour share a ball, which tells whether a plane can meet them. [points; >= 1; B]
+constexpr std::uint32_t block_size = 16;
 
 // A ball round a run of a contour's segments: those that begin at points [first, first + count).
 struct Block {
