@@ -12,8 +12,8 @@ namespace anatomesh {
 
 namespace {
 
-// An overlay of two slices with more edges is not made, and nothing is said of the gap between them.
-// [edges; >= 1; B]
+// An overlay of two slices with more edges is not made, and what they have in common counts as not in one
+// piece. [edges; >= 1; B]
 constexpr std::size_t most_edges = 10'000'000;
 
 // All slices are seen along the normal of the first.

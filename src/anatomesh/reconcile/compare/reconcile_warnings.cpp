@@ -13,9 +13,9 @@ namespace {
 // So many pairs of slices are named one by one, the worst first; of the others the number is told.
 // [warnings; >= 1; B]
 constexpr std::size_t most_named_pairs = 10;
-// Pairs of slices are named that differ by more than this. [mm; >= 0; M 2026-11, set not recorded]
+// Pairs of slices are named that differ by more than this. [mm; >= 0; C W-RCN-003]
 constexpr double named_mm = 0.5;
-// They also differ by more than this share of the bound. [1; 0 to 1; M 2026-11, set not recorded]
+// They also differ by more than this share of the bound. [1; 0 to 1; C W-RCN-003]
 constexpr double named_share = 0.05;
 // A smaller change of a contour that moving did not bring to agree is not named. [mm; >= 0; M 2026-11, set
 // not recorded]

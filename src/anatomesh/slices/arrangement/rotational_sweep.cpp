@@ -13,7 +13,7 @@ namespace anatomesh {
 
 namespace {
 
-// A full turn. [rad; 2 pi; D]
+// It is the angle of a full turn. [rad; 2 pi; D]
 constexpr double turn = 2 * std::numbers::pi;
 // Two planes have four half-planes, the fewest that follow each other all round. [slices; >= 2; D]
 constexpr std::size_t fewest_slices = 2;
