@@ -65,6 +65,25 @@ inline std::string significant_text(double value, int digits) {
                                .ptr};
 }
 
+// Three significant digits: how most messages give a measure.
+inline std::string brief(double value) {
+    return significant_text(value, 3);
+}
+
+// The shortest text that reads back as the same double, for messages, with a decimal point or an exponent.
+// pointed_text(2) = "2.0".
+inline std::string pointed_text(double value) {
+    std::string text = number_text(value);
+    if (text.find_first_of(".en") == std::string::npos) text += ".0";
+    return text;
+}
+
+// With a fixed number of decimals: fixed_text(2.5, 2) = "2.50". "inf" and "nan" for what is not finite.
+std::string fixed_text(double value, int decimals);
+
+// Share of a total in percent: percent_text(1, 8, 1) = "12.5 %"; "0 %" of nothing.
+std::string percent_text(double part, double total, int decimals);
+
 // The shortest text that reads back as the same double, for messages: without an exponent from 1e-4 to 1e16.
 // plain_text(0.0001) = "0.0001", where number_text() says "1e-04".
 inline std::string plain_text(double value) {

@@ -42,6 +42,21 @@ TEST(NumberText, keeps_so_many_digits) {
     EXPECT_EQ(significant_text(0.012345, 3), "0.0123");
     EXPECT_EQ(significant_text(2, 3), "2");
     EXPECT_EQ(significant_text(123456, 2), "1.2e+05");
+    EXPECT_EQ(brief(0.012345), "0.0123");
+}
+
+TEST(NumberText, shows_that_it_is_no_integer) {
+    EXPECT_EQ(pointed_text(2), "2.0");
+    EXPECT_EQ(pointed_text(-0.125), "-0.125");
+    EXPECT_EQ(pointed_text(1e300), "1e+300");
+}
+
+TEST(NumberText, fixed_and_percent) {
+    EXPECT_EQ(fixed_text(2.5, 2), "2.50");
+    EXPECT_EQ(fixed_text(-0.125, 3), "-0.125");
+    EXPECT_EQ(fixed_text(std::numeric_limits<double>::infinity(), 2), "inf");
+    EXPECT_EQ(percent_text(1, 8, 1), "12.5 %");
+    EXPECT_EQ(percent_text(0, 0, 1), "0 %");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/cut/cut_spindles.h"
 #include "anatomesh/cut/join_lost_vertices.h"
 #include "anatomesh/cut/nonmanifold_patch.h"

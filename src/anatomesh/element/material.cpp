@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {

@@ -9,11 +9,11 @@
 #include <numeric>
 
 #include "anatomesh/base/contract.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/field_difference.h"
 #include "anatomesh/measure/field_distance.h"
-#include "anatomesh/measure/number_text.h"
 #include "anatomesh/measure/quality_report.h"
 #include "anatomesh/measure/shells.h"
 #include "anatomesh/measure/slice_sections.h"

@@ -7,7 +7,6 @@
 
 #include "anatomesh/base/contract.h"
 #include "anatomesh/measure/contour_fidelity.h"
-#include "anatomesh/measure/number_text.h"
 #include "anatomesh/measure/quality_report.h"
 #include "anatomesh/measure/volume.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
@@ -445,14 +444,6 @@ TEST(QualityReport, figures_of_cubes_cut_in_six) {
     EXPECT_EQ(report.radius_edge.counts.size(), 50u);
     EXPECT_EQ(report.radius_edge.counts[7], 162u);  // 0.85 to 0.90
     EXPECT_EQ(measure_shapes({}, context).report.edge_max_mm, 0.0);
-}
-
-TEST(NumberText, fixed_and_percent) {
-    EXPECT_EQ(fixed_text(2.5, 2), "2.50");
-    EXPECT_EQ(fixed_text(-0.125, 3), "-0.125");
-    EXPECT_EQ(fixed_text(HUGE_VAL, 2), "inf");
-    EXPECT_EQ(percent_text(1, 8, 1), "12.5 %");
-    EXPECT_EQ(percent_text(0, 0, 1), "0 %");
 }
 
 }  // namespace

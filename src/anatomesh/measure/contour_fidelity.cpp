@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/geom/point_grid.h"
-#include "anatomesh/measure/number_text.h"
 #include "anatomesh/mesh/model/surface_graph.h"
 
 namespace anatomesh {

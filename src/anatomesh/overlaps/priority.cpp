@@ -6,11 +6,11 @@
 #include <numeric>
 #include <string>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/clean/clean.h"
 #include "anatomesh/contour/model/choose_structures.h"
 #include "anatomesh/contour/model/chosen_slices.h"
-#include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/overlaps/nesting.h"
 #include "anatomesh/overlaps/slice_partition.h"
 #include "anatomesh/slices/coverage/covering_slices.h"

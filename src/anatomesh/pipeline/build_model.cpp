@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "anatomesh/base/contract.h"
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/pipeline/retry/retry_for_mean_ratio.h"
 #include "anatomesh/pipeline/retry/retry_messages.h"

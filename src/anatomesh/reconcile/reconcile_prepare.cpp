@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/reconcile/compare/contradictions.h"
 #include "anatomesh/reconcile/compare/disagreement.h"
 #include "anatomesh/reconcile/compare/reconcile_warnings.h"

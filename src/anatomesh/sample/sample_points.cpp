@@ -7,9 +7,9 @@
 #include <map>
 #include <optional>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/sample/interface_probe.h"
 #include "anatomesh/sample/split_encroached_subsegments.h"

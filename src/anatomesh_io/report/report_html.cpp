@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomesh/measure/number_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh_io/report/html_text.h"
 #include "anatomesh_io/report/report_assets.h"
 #include "anatomesh_io/report/report_charts.h"

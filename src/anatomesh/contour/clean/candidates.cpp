@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/contour/clean/close_at_valve.h"
-#include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/contour/model/ring.h"
 
 namespace anatomesh {
@@ -134,7 +134,7 @@ Status check_coordinates(const RawContours& raw) {
                 if (std::abs(value) <= coordinate_bound_mm) continue;
                 Place place = place_of_contour(raw, c);
                 place.contour += ", point " + std::to_string(i);
-                place.value = full(value);
+                place.value = pointed_text(value);
                 if (!std::isfinite(value)) {
                     return Error{ErrorKind::input, "E-CON-002", "a coordinate is not a finite number",
                                  std::move(place), "correct or remove the contour in the file"};

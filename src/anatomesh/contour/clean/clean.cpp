@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/base/text.h"
 #include "anatomesh/contour/clean/candidate_slices.h"
 #include "anatomesh/contour/clean/candidates.h"
 #include "anatomesh/contour/clean/finish_set.h"
 #include "anatomesh/contour/clean/reading_log.h"
 #include "anatomesh/contour/clean/resolved_slices.h"
-#include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/geom/box.h"
 
 namespace anatomesh {

@@ -6,9 +6,9 @@
 #include <map>
 #include <utility>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/contour/clean/crowded_points.h"
 #include "anatomesh/contour/clean/weld.h"
-#include "anatomesh/contour/model/message_text.h"
 
 namespace anatomesh {
 
@@ -56,7 +56,7 @@ double weld_structures(ContourSet& set, double weld_mm, RunContext& context) {
     context.warn({"W-CON-021",
                   std::to_string(welded.moved) +
                       " vertices differ from a vertex of another structure by rounding only",
-                  {set.source, "", "", "", "at most " + full(welded.max_displacement_mm) + " mm"},
+                  {set.source, "", "", "", "at most " + pointed_text(welded.max_displacement_mm) + " mm"},
                   "they were moved onto that vertex"});
     return welded.max_displacement_mm;
 }

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/contour/clean/rings_of_candidates.h"
-#include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/contour/resolve/resolve.h"
 
 namespace anatomesh {

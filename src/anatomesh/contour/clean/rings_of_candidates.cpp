@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/contour/overlay/segment_index.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/polygon.h"

@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 
 namespace anatomesh {
 

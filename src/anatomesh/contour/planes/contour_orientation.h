@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "anatomesh/contour/planes/point_scatter.h"
+#include "anatomesh/geom/point_scatter.h"
 #include "anatomesh/geom/vec.h"
 
 namespace anatomesh {

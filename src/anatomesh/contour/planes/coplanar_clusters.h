@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "anatomesh/contour/planes/plane_grouping.h"
-#include "anatomesh/contour/planes/point_scatter.h"
+#include "anatomesh/geom/point_scatter.h"
 
 namespace anatomesh {
 

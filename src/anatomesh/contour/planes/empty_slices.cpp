@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/contour/planes/plane_grouping.h"
 
 namespace anatomesh {
@@ -86,7 +86,7 @@ std::string slice_text(const Plane& plane, const std::string& given, std::size_t
     const int axis = axis_of(plane);
     if (axis < 0) return "plane " + std::to_string(number);
     const double position = axis == 0 ? plane.origin.x : axis == 1 ? plane.origin.y : plane.origin.z;
-    return std::string(1, "xyz"[axis]) + " = " + full(position);
+    return std::string(1, "xyz"[axis]) + " = " + pointed_text(position);
 }
 
 std::vector<std::string> keep_empty_slices(ContourSet& set, std::span<const EmptyPlane> planes,

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "anatomesh/contour/planes/point_scatter.h"
+#include "anatomesh/geom/point_scatter.h"
 
 namespace anatomesh {
 

@@ -11,7 +11,7 @@
 #include "anatomesh/contour/planes/near_planes.h"
 #include "anatomesh/contour/planes/plane_fit.h"
 #include "anatomesh/contour/planes/plane_stacks.h"
-#include "anatomesh/contour/planes/point_scatter.h"
+#include "anatomesh/geom/point_scatter.h"
 
 namespace anatomesh {
 

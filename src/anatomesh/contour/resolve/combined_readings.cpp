@@ -4,7 +4,7 @@
 #include <set>
 #include <string>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 
 namespace anatomesh {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 
 namespace anatomesh {
 

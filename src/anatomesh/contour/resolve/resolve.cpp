@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/contour/overlay/combine.h"
 #include "anatomesh/contour/overlay/nesting.h"
 #include "anatomesh/contour/overlay/separate.h"

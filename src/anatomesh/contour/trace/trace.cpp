@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/model/area_change.h"
-#include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/contour/simplify/chains.h"
 #include "anatomesh/contour/trace/small_pieces.h"
 #include "anatomesh/contour/trace/trace_slice.h"

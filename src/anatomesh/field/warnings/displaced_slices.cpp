@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/contour/planes/displaced_slices.h"
 
 namespace anatomesh {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/field/warnings/thin_structures.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/polygon.h"

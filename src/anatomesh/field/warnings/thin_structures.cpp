@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/field/slice/slice_regions.h"
 
 namespace anatomesh {

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/improve/core/drawn_slices.h"
 #include "anatomesh/improve/operations/segment_edges.h"
 #include "anatomesh/mesh/check/spurious_handles.h"

@@ -7,9 +7,8 @@
 #include <utility>
 
 #include "anatomesh/base/contract.h"
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/measure/certificate.h"
-#include "anatomesh/measure/number_text.h"
 #include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {

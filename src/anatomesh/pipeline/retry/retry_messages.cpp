@@ -1,6 +1,6 @@
 #include "anatomesh/pipeline/retry/retry_messages.h"
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 
 namespace anatomesh {
 

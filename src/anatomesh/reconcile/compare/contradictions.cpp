@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/reconcile/compare/disagreement.h"
 #include "anatomesh/reconcile/compare/reconcile_warnings.h"
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/base/number_text.h"
 
 namespace anatomesh {
 

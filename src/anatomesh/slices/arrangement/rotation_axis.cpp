@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "anatomesh/contour/planes/point_scatter.h"
+#include "anatomesh/geom/point_scatter.h"
 
 namespace anatomesh {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "anatomesh/contour/planes/point_scatter.h"
 #include "anatomesh/geom/box.h"
+#include "anatomesh/geom/point_scatter.h"
 #include "anatomesh/slices/arrangement/rotation_axis.h"
 
 namespace anatomesh {

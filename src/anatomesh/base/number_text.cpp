@@ -1,4 +1,4 @@
-#include "anatomesh/measure/number_text.h"
+#include "anatomesh/base/number_text.h"
 
 #include <array>
 #include <charconv>

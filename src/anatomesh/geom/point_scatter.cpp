@@ -1,4 +1,4 @@
-#include "anatomesh/contour/planes/point_scatter.h"
+#include "anatomesh/geom/point_scatter.h"
 
 #include <array>
 #include <cmath>
