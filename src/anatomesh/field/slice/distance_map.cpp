@@ -14,8 +14,13 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t longest_list = 64;  // longer ones become lists of strips of the next level
-constexpr std::uint32_t strip_size = 16, strip_levels = 3;
+// Longer lists become lists of strips of the next level, so that a query looks at few entries.
+// [entries; >= 1; B]
+constexpr std::uint32_t longest_list = 64;
+// A strip has so many edges, or strips of the level below. [edges; >= 2; B]
+constexpr std::uint32_t strip_size = 16;
+// Strips have so many levels, so that the longest hold 16^3 edges. [levels; 1 to 3; B]
+constexpr std::uint32_t strip_levels = 3;
 
 bool less(Vec2 a, Vec2 b) {
     return a.x != b.x ? a.x < b.x : a.y < b.y;

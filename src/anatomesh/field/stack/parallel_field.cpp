@@ -42,7 +42,9 @@ std::string slice_text(const ContourSet& set, std::uint32_t slice) {
     return set.slices[slice].name.empty() ? "slice " + std::to_string(slice) : set.slices[slice].name;
 }
 
-constexpr double much_curved = 0.05;  // gaps: a column through such a correction is integrated in finer steps
+// A column through a larger correction is integrated in twice as many parts, because its boundary bends
+// within a gap. [gaps; > 0; B]
+constexpr double much_curved = 0.05;
 
 class ParallelField final : public FieldQueries<ParallelField> {
   public:
@@ -532,6 +534,7 @@ double ParallelField::inside_share(std::uint32_t structure, const StructureStack
     }
     if (std::min(a, b) > 0.25 * clamp_ + move + correction)
         return 0;  // what others leave between them is thinner
+    // What structures keep between two slices is counted on so many sections of the gap. [sections; >= 1; B]
     constexpr int sections = 12;
     int inside = 0;
     std::vector<std::uint32_t> owners;
