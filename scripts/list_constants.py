@@ -4,6 +4,7 @@
     list_constants.py              says which numbers have no tag, and how many sources are not recorded (exit 1 if any has no tag)
     list_constants.py --write      writes docs/constants.md as well, if all have one
     list_constants.py --check      says as well whether docs/constants.md is out of date (exit 1)
+    list_constants.py --wordless   names the numbers as well that have a tag and no word beside it
 
 A named number is a constexpr of an arithmetic type outside of tests, or a list of such with a decimal point in it. The comment on
 its line, or the comment block directly above it, ends with a tag: [unit; range; SOURCE]. SOURCE begins with a letter:
@@ -173,7 +174,11 @@ def main():
     for item in untagged:
         print(f"{item.path}:{item.line}: {item.name} " + ("stands in one declaration with others" if item.several else "has no tag [unit; range; SOURCE]"))
     unrecorded = sum(NOT_RECORDED in item.tag["source"] for item in found if item.tag)
-    print(f"{len(untagged)} of {len(found)} named numbers have no tag; of {unrecorded} the data set is not recorded")
+    wordless = [item for item in found if item.tag and not TAG.sub("", item.text).strip()]
+    if "--wordless" in sys.argv[1:]:
+        for item in wordless:
+            print(f"{item.path}:{item.line}: {item.name} has a tag and no word that says what it decides")
+    print(f"{len(untagged)} of {len(found)} named numbers have no tag; of {unrecorded} the data set is not recorded; {len(wordless)} have a tag and no word")
     if untagged:
         print("the head of scripts/list_constants.py explains tags")
         return 1
