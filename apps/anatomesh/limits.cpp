@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/image/read_image.h"
@@ -20,8 +21,6 @@ namespace {
 
 constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
 constexpr std::uint64_t most_32 = std::numeric_limits<std::uint32_t>::max();
-// The limit of coordinates can be set no higher: doubles keep a micrometre and more within it. [mm; > 0; C]
-constexpr double coordinate_bound_mm = 1e7;
 
 struct LimitEntry {
     const char* name;

@@ -4,12 +4,12 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 #include <string_view>
 #include <utility>
 
 #include "anatomesh/base/contract.h"
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/improve/climb/hill_climber.h"
 #include "anatomesh/improve/reroute/reroute_on_section.h"
 #include "anatomesh/improve/sections/detach_facets_from_plane.h"
@@ -25,7 +25,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double radians_per_degree = std::numbers::pi / 180;  // [radians per degree; one value; D]
 // Operations aim so far above the target, since later ones take a little. [degrees; >= 0; M 2026-11, set not
 // recorded]
 constexpr double margin_degrees = 3;

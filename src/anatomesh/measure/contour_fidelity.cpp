@@ -7,6 +7,7 @@
 
 #include "anatomesh/base/number_text.h"
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/mesh/model/surface_graph.h"
 
@@ -18,8 +19,6 @@ namespace {
 constexpr double small_angle_deg = 60.0;
 // Contours that share a vertex and meet at a smaller angle force cells. [degrees; 0 to 90; C clause 4]
 constexpr double small_crossing_deg = 30.0;
-// A vertex within this of a segment lies on it. [lengths of the segment; 0 to 1e-3; C clause 1]
-constexpr double on_segment = 1e-6;
 
 // The vertices of a surface in lexicographic order.
 class VerticesByPlace {
@@ -244,14 +243,14 @@ ForcedCells::ConstraintLimit ForcedCells::limit_of_vertex(std::uint32_t point,
 ForcedCells::ConstraintLimit ForcedCells::limit_of_segment(const std::vector<NearSegment>& near) const {
     std::vector<NearSegment> own;
     for (const NearSegment& s : near) {
-        if (s.distance <= on_segment * length(s.b - s.a)) own.push_back(s);
+        if (s.distance <= on_segment_share * length(s.b - s.a)) own.push_back(s);
     }
     ConstraintLimit constraint_limited;
     for (const NearSegment& s : near) {
         const bool goes_on = std::any_of(own.begin(), own.end(), [&](const NearSegment& o) {
             return o.from == s.from ||
                    std::max(angle_between(o, s, o.a), angle_between(o, s, o.b)) >= small_angle_deg ||
-                   s.distance <= on_segment * length(s.b - s.a);
+                   s.distance <= on_segment_share * length(s.b - s.a);
         });
         if (own.empty() || goes_on) continue;
         if (constraint_limited.segment == no_cell || s.distance < constraint_limited.distance)

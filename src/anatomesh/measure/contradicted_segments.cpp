@@ -14,9 +14,6 @@ namespace {
 // A segment is steeper against a plane that it passes.
 // [1; 0 to 1; M 2026-11 random sets in fans, freehand and crossing stacks]
 constexpr double least_slope = 0.02;
-// Planes that move no point by more cross nowhere near what they draw.
-// [mm; 0 to 0.1; D as parallel_tolerance_mm]
-constexpr double parallel_mm = 0.01;
 
 bool passes_within(Vec3 a, Vec3 b, Vec3 p, double distance) {
     const Vec3 way = b - a;
@@ -96,7 +93,7 @@ class Opponents {
 
 std::vector<SegmentOfContour> contradicted_segments(const ContourSet& contours,
                                                     std::span<const SegmentOfContour> segments) {
-    if (segments.empty() || all_parallel(contours, parallel_mm)) return {};
+    if (segments.empty() || all_parallel(contours, parallel_tolerance_mm)) return {};
     const Opponents opponents(contours);
     std::vector<SegmentOfContour> found;
     std::copy_if(segments.begin(), segments.end(), std::back_inserter(found),

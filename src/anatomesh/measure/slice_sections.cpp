@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "anatomesh/contour/overlay/even_odd_area.h"
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/mesh/model/box_tree.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
@@ -17,8 +18,6 @@ namespace {
 
 // A vertex this near to a plane lies on it. [diagonals of the contours' box; 0 to 1e-6; D rounding of doubles]
 constexpr double on_plane_share = 1e-9;
-// Planes this near to each other are one. [mm; 0 to 0.01; D digits of files]
-constexpr double same_plane_mm = 1e-6;
 
 // The triangles of a surface that may meet a plane, found without the others.
 class TrianglesAtPlanes {
@@ -156,7 +155,7 @@ std::vector<SliceSection> slice_sections(std::span<const Vec3> points,
     std::vector<SliceSection> sections;
     if (contours.slices.empty()) return sections;
     const double tolerance = on_plane_mm(contours);
-    const bool parallel = all_parallel(contours, same_plane_mm);
+    const bool parallel = all_parallel(contours, exactly_parallel_mm);
     RunContext context;
     // The certificate takes nothing from earlier stages.
     const SliceCoverage coverage = coverage_of(contours, arrangement_of(contours), context);

@@ -21,10 +21,6 @@ namespace anatomesh {
 
 namespace {
 
-// Slices whose planes differ by no more within the contours have an order, which --every and --offset count
-// in. [mm; 0 to 0.1; D digits of files]
-constexpr double parallel_tolerance_mm = 0.01;
-
 // Seconds since it was made, or since the last lap.
 class Stopwatch {
   public:

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
@@ -19,8 +20,6 @@ namespace {
 constexpr std::size_t most_samples = 40'000;
 // Candidates lie half-way between a slice and so many of its nearest neighbours. [slices; >= 1; B]
 constexpr std::size_t neighbors_of_a_slice = 4;
-// Neighbours are slices within 30 degrees, of which this is the cosine. [1, cosine; 0 to 1; D]
-constexpr double cos_30 = 0.866;
 // A plane does not meet places for sure whose normals are nearer to its own. [sine of the angle; 0 to 1; M 2026-11, set not recorded]
 constexpr double least_sine = 0.2;
 
@@ -82,7 +81,7 @@ std::vector<PlaneBetween> candidates_of(const ContourSet& set) {
         std::vector<std::pair<double, std::size_t>> near;
         for (std::size_t j = 0; j < patches.size(); ++j) {
             if (j == i || patches[j].box.empty()) continue;
-            if (std::abs(dot(plane.normal, patches[j].plane.normal)) < cos_30) continue;
+            if (std::abs(dot(plane.normal, patches[j].plane.normal)) < cos_of_about_30_degrees) continue;
             near.emplace_back(length(patches[j].offset_from(centers[i], 0)), j);
         }
         const std::size_t count = std::min(near.size(), neighbors_of_a_slice);

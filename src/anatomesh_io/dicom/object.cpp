@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh_io/contour/dicom_text.h"
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/dicom/sha256.h"
@@ -15,9 +16,6 @@ namespace anatomesh {
 
 namespace {
 
-// Positions further from the origin are refused as damaged: doubles keep a micrometre and more within it.
-// [mm; > 0; C]
-constexpr double farthest_mm = 1e7;
 // A file that announces more frames is refused, before they take all memory. [frames; >= 1; B]
 constexpr std::uint64_t max_frames = 1'000'000;
 
@@ -102,7 +100,7 @@ Status read_place(const DataSet& set, const FrameGroups& groups, std::uint32_t f
     frame.row = axes.row;
     frame.column = axes.column;
     for (double each : *position)
-        if (!(std::abs(each) <= farthest_mm))
+        if (!(std::abs(each) <= coordinate_bound_mm))
             return frame_error("E-DCM-008", set, frame.frame, frames,
                                "the position of the image is beyond 1e7 mm", vector_text(*position),
                                "correct the file, or export it again");

@@ -10,6 +10,7 @@
 #include <limits>
 #include <system_error>
 
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh_io/file/byte_reader.h"
 
 namespace anatomesh {
@@ -109,16 +110,13 @@ Result<std::uint64_t> chosen_volume(std::uint64_t volumes, const std::string& pa
 }
 
 Status check_geometry(const ImageGeometry& geometry, const std::string& path) {
-    // Positions further from the origin are refused as damaged: doubles keep a micrometre and more within it.
-    // [mm; > 0; C]
-    constexpr double farthest_mm = 1e7;
     // Smaller voxels are refused as damaged: none is measured at a nanometre. [mm; > 0; C]
     constexpr double shortest_mm = 1e-6;
     double volume_scale = 1;
     for (int axis = 0; axis < 3; ++axis) {
         const double step = length(geometry.step[axis]);
         // The negated comparison also catches NaN.
-        if (!(step >= shortest_mm && step <= farthest_mm))
+        if (!(step >= shortest_mm && step <= coordinate_bound_mm))
             return image_error(std::isfinite(step) ? "E-IMG-007" : "E-IMG-006",
                                fmt::format("the voxel spacing along axis {} is not possible", "ijk"[axis]),
                                path, fmt::format("{} mm", step), "correct the header of the image");
@@ -132,7 +130,7 @@ Status check_geometry(const ImageGeometry& geometry, const std::string& path) {
         const auto end = [&](int axis) { return corner >> axis & 1 ? geometry.size[axis] - 1.0 : 0.0; };
         const Vec3 p = geometry.position(end(0), end(1), end(2));
         for (const double coordinate : {p.x, p.y, p.z})
-            if (!(std::abs(coordinate) <= farthest_mm))
+            if (!(std::abs(coordinate) <= coordinate_bound_mm))
                 return image_error("E-IMG-006", "the position of the image is beyond 1e7 mm or not a number",
                                    path, fmt::format("{}", coordinate), "correct the header of the image");
     }

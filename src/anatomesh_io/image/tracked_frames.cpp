@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/image/components.h"
 #include "anatomesh_io/image/raw_image.h"
 
@@ -17,9 +18,6 @@ namespace {
 
 constexpr std::string_view frame_prefix = "Seq_Frame", transform_suffix = "Transform",
                            status_suffix = "TransformStatus";
-// Positions further from the origin are refused as damaged: doubles keep a micrometre and more within it.
-// [mm; > 0; C]
-constexpr double farthest_mm = 1e7;
 
 // Lengths and cosines of a rotation may be so far off 1 and 0, because headers have six digits.
 // [1; 0 to 0.1; D digits of files]
@@ -307,7 +305,7 @@ class PoseReader {
         if (!(std::abs(dot(placed.step[0], placed.step[1])) <= 0.01 * across * along))
             return unusable("has axes that are not at right angles");
         for (const double coordinate : {placed.origin.x, placed.origin.y, placed.origin.z})
-            if (!(std::abs(coordinate) <= farthest_mm)) return unusable("lies beyond 1e7 mm");
+            if (!(std::abs(coordinate) <= coordinate_bound_mm)) return unusable("lies beyond 1e7 mm");
         return placed;
     }
 

@@ -60,7 +60,7 @@ Error expected(const std::string& path, std::string_view what, std::string place
 
 Status check_point(const Vec3& point, std::size_t index, const std::string& path) {
     for (const double coordinate : {point.x, point.y, point.z}) {
-        if (!(std::abs(coordinate) <= max_coordinate)) {
+        if (!(std::abs(coordinate) <= coordinate_bound_mm)) {
             return mesh_error("E-MDL-005", "a coordinate is not a number or beyond 1e7 mm", path,
                               "vertex " + std::to_string(index));
         }

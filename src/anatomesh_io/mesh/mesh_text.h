@@ -11,13 +11,10 @@
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/base/text.h"
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/geom/vec.h"
 
 namespace anatomesh {
-
-// Coordinates further from the origin are refused as damaged: doubles keep a micrometre and more within it.
-// [mm; > 0; C]
-inline constexpr double max_coordinate = 1e7;
 
 Error mesh_error(const char* code, std::string message, const std::string& path, std::string value = {});
 Error expected(const std::string& path, std::string_view what, std::string place);  // E-MDL-003

@@ -12,13 +12,14 @@
 #include "anatomesh/base/number_text.h"
 #include "anatomesh/contour/clean/close_at_valve.h"
 #include "anatomesh/contour/model/ring.h"
+#include "anatomesh/geom/numbers.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr double coordinate_bound_mm = 1e7;
-constexpr double closing_share = 0.25;  // of the drawn length: a wider gap is no slip at the end of a contour
+// A gap wider than this share of the drawn length is no slip at the end of a contour. [1; 0 to 1; D a choice, measurement not recorded]
+constexpr double closing_share = 0.25;
 
 std::span<const Vec3> points_of(const RawContours& raw, std::uint32_t contour) {
     const RawContour& entry = raw.contours[contour];

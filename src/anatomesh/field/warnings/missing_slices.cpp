@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "anatomesh/contour/planes/common_normal.h"
+#include "anatomesh/geom/numbers.h"
 
 namespace anatomesh {
 
@@ -88,7 +89,7 @@ void warn_about_turn(const ContourSet& set, const Axis& axis, RunContext& contex
     gaps.push_back(angles.front().first + std::numbers::pi - angles.back().first);
     if (const Widest found = far_wider(gaps); found.gap > 0)
         warn(set, angles, found, "slices about an axis leave a part of the turn out", "degrees",
-             180 / std::numbers::pi, context);
+             degrees_per_radian, context);
 }
 
 }  // namespace

@@ -1,16 +1,14 @@
 #include "anatomesh/improve/climb/climb_profile.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include "anatomesh/base/contract.h"
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/improve/core/quality_gate.h"
 
 namespace anatomesh {
 
 namespace {
-
-constexpr double radians_per_degree = std::numbers::pi / 180;  // [radians per degree; one value; D]
 
 // From the first bound of ratios to the last one, so that angles are paid for with as little as will do.
 // [steps; >= 1; M 2026-11 pelvis, spine, skull, 61 labels, fetal brain]

@@ -4,13 +4,12 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/geom/numbers.h"
 
 namespace anatomesh {
 
 namespace {
 
-// A vertex nearer to a segment than this share of it lies on it, as edges_along() has it. [1; 0 to 0.01; D]
-constexpr double on_segment = 1e-6;
 // A vertex nearer to a subsegment than this share of it lies on it: it was put there. [1; 0 to 0.01; D]
 constexpr double on_line = 1e-9;
 
@@ -32,7 +31,7 @@ bool SurfaceIncidence::find_ring(std::uint32_t a, std::uint32_t b) {
 
 std::optional<double> SurfaceIncidence::onward(Vec3 step, Vec3 way) {
     const double along = dot(step, way), whole = squared_length(way);
-    if (along <= 0 || length(cross(step, way)) > on_segment * whole) return std::nullopt;
+    if (along <= 0 || length(cross(step, way)) > on_segment_share * whole) return std::nullopt;
     return along;
 }
 
@@ -56,7 +55,7 @@ std::uint32_t SurfaceIncidence::next_on_surface(std::uint32_t at, std::uint32_t 
     for (const std::uint32_t c : edit_.star) {
         for (const std::uint32_t v : edit_.mesh.cell(c)) {
             const std::optional<double> along = onward(edit_.mesh.point(v) - here, way);
-            if (v != at && along && *along <= (1 + on_segment) * squared_length(way))
+            if (v != at && along && *along <= (1 + on_segment_share) * squared_length(way))
                 found.emplace_back(*along, v);
         }
     }

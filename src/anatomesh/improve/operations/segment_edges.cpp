@@ -2,15 +2,13 @@
 
 #include <algorithm>
 
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/improve/core/drawn_slices.h"
 #include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh {
 
 namespace {
-
-// A vertex nearer to a segment than this share of it lies on it. [1; 0 to 0.01; D]
-constexpr double off_line = 1e-6;
 
 // The ends of the edges of all interfaces that start at a vertex; an edge comes once for each facet at it.
 class InterfaceEdges {
@@ -55,7 +53,8 @@ bool follow(const TetMesh& mesh, const InterfaceEdges& edges, std::uint32_t a, s
         for (const std::uint32_t end : edges.from(current)) {
             const Vec3 offset = mesh.points[end] - start;
             const double along = dot(offset, way);
-            if (along <= reached || along > next_reached || length(cross(offset, way)) > off_line * whole)
+            if (along <= reached || along > next_reached ||
+                length(cross(offset, way)) > on_segment_share * whole)
                 continue;
             next = end;
             next_reached = along;

@@ -3,12 +3,12 @@
 #include <span>
 #include <utility>
 
+#include "anatomesh/geom/numbers.h"
+
 namespace anatomesh {
 
 namespace {
 
-// A vertex within it lies on a segment, in its lengths, or in its plane. [1; 0 to 1e-3; D]
-constexpr double on_segment = 1e-6;
 constexpr std::size_t most_beside =
     6;                       // on either side of a missed one, that a way may replace [segments; >= 0; B]
 constexpr double reach = 2;  // how far along them it may end, in most_mm [1; > 0; B]
@@ -59,8 +59,8 @@ std::optional<SectionPath> SectionPathSearch::find(const ReroutedContour& rerout
     double longest = 0;
     for (std::size_t n = 1; n < drawn.size(); ++n)
         longest = std::max(longest, length(drawn[n] - drawn[n - 1]));
-    SurfaceSection section(edit_, routable_.planes[contour.slice], contour.structure, on_segment * longest,
-                           contours_.of_slice(contour.slice));
+    SurfaceSection section(edit_, routable_.planes[contour.slice], contour.structure,
+                           on_segment_share * longest, contours_.of_slice(contour.slice));
     const std::span<const std::uint32_t> taken = contours_.of_drawing(contour);
     const auto is_end = [&](std::uint32_t v) {
         return std::any_of(there.ends.begin(), there.ends.end(),

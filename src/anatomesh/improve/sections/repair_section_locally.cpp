@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/improve/core/failed_attempt_cache.h"
 #include "anatomesh/improve/sections/facet_worklist.h"
 #include "anatomesh/improve/sections/section_areas.h"
@@ -21,7 +21,6 @@ namespace {
 constexpr std::uint64_t most_vain = 10'000;
 // Share of what is drawn: less is not repaired where planes cross. [1; 0 to 1; M 2026-11 labels of a body]
 constexpr double least_wrong_of_crossing = 1e-6;
-constexpr double radians_per_degree = std::numbers::pi / 180;  // [1; -; D]
 
 class LocalSectionRepair {
   public:

@@ -11,6 +11,7 @@
 
 #include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/measure/topology/drawn_parts.h"
 #include "anatomesh/measure/topology/stacks_of_slices.h"
 #include "anatomesh/mesh/model/buckets.h"
@@ -22,8 +23,6 @@ namespace {
 
 // A vertex this near to a plane lies on it. [diagonals of the contours' box; 0 to 1e-6; D rounding of doubles]
 constexpr double on_plane_share = 1e-9;
-// Planes that move no point by more are parallel. [mm; 0 to 0.01; D digits of files]
-constexpr double parallel_mm = 1e-6;
 // Wider gaps may not be bridged. [median gaps; > 1; M 2026-11, set not recorded]
 constexpr double widest_gap = 1.5;
 constexpr double beyond_all = std::numeric_limits<double>::infinity();
@@ -546,7 +545,7 @@ std::vector<TopologyMismatch> topology_check(std::span<const Vec3> points,
         std::any_of(surfaces.begin(), surfaces.end(), [](const auto& s) { return !s.empty(); });
     if (contours.slices.empty() || !asked) return {};
     std::vector<double> heights;
-    if (all_parallel(contours, parallel_mm)) {
+    if (all_parallel(contours, exactly_parallel_mm)) {
         for (const Vec3& p : points) heights.push_back(dot(p, contours.slices.front().plane.normal));
         return tears_of_stack(heights, surfaces, contours, vertex_of, whole_only, {}, threads);
     }

@@ -3,15 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomesh/geom/numbers.h"
+
 namespace anatomesh {
-
-namespace {
-
-// A vertex within this distance lies on the segment: points that split it are rounded.
-// [lengths of the segment; 0 to 1e-3; D rounding of doubles]
-constexpr double on_segment = 1e-6;
-
-}  // namespace
 
 SurfaceGraph::SurfaceGraph(std::span<const Vec3> points, std::span<const Triangle> triangles)
     : points_(points), start_(points.size() + 1, 0) {
@@ -34,7 +28,7 @@ bool SurfaceGraph::chain(std::uint32_t a, std::uint32_t b) const {
     const Vec3 start = points_[a], way = points_[b] - start;
     const double whole = squared_length(way);
     const double size = std::max({std::abs(start.x), std::abs(start.y), std::abs(start.z)});
-    const double tolerance = on_segment * std::sqrt(whole) + 1e-12 * size;
+    const double tolerance = on_segment_share * std::sqrt(whole) + 1e-12 * size;
     std::uint32_t current = a;
     double reached = 0;
     while (current != b) {

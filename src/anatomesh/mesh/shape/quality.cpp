@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "anatomesh/base/instruction_sets.h"
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 
 namespace {
-
-// Angles are told in degrees and computed in radians. [degrees per rad; 180 / pi; D]
-constexpr double degrees_per_radian = 180.0 / std::numbers::pi;
 
 // Six times the volume, and the numerator of the circumcenter relative to a:
 // circumcenter = a + offset / (2 volume6).

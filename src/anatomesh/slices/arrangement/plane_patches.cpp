@@ -5,13 +5,12 @@
 #include <limits>
 #include <utility>
 
+#include "anatomesh/geom/numbers.h"
+
 namespace anatomesh {
 
 namespace {
 
-// Planes that lean by more than 30 degrees bound no gap together: beyond it the way to the other plane says
-// little of a spacing. [1, cosine; 0 to 1; D]
-constexpr double cos_30 = 0.866;
 // Images of one series have one frame. They agree within 0.1 degrees, the rounding of their directions in
 // files. [1, cosine; 0 to 1; D digits of files]
 constexpr double cos_of_series = 0.9999985;
@@ -161,7 +160,8 @@ PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch
             std::array<double, 2> beside = {near[0], near[0]};  // on either side
             for (std::size_t j = 0; j < patches.size(); ++j) {
                 if (j == i || patches[j].box.empty()) continue;
-                if (std::abs(dot(patches[i].plane.normal, patches[j].plane.normal)) < cos_30) continue;
+                if (std::abs(dot(patches[i].plane.normal, patches[j].plane.normal)) < cos_of_about_30_degrees)
+                    continue;
                 const Vec3 offset = patches[j].offset_from(p, 0);
                 double distance = length(offset);
                 double& side = beside[dot(offset, patches[i].plane.normal) > 0];

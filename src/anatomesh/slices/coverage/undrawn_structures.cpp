@@ -6,16 +6,13 @@
 #include <tuple>
 
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/geom/numbers.h"
 #include "anatomesh/slices/coverage/slice_coverage.h"
 #include "anatomesh/slices/lines/arc.h"
 
 namespace anatomesh {
 
 namespace {
-
-// Planes within 30 degrees, of which this is the cosine, show one side of a structure; others cross it.
-// [1, cosine; 0 to 1; M 2026-11 two balls, 17 slices and a long axis of one]
-constexpr double same_direction = 0.866;
 
 // On which side of the slice those of its own direction draw the structure, -1 or 1; 0: on both or not at
 // all.
@@ -25,7 +22,7 @@ int side_of_structure(const ContourSet& set, const SliceCoverage& drawn, std::ui
     bool above = false, below = false;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
         if (!drawn.is_drawn(s, structure) ||
-            std::abs(dot(set.slices[s].plane.normal, plane.normal)) < same_direction)
+            std::abs(dot(set.slices[s].plane.normal, plane.normal)) < cos_of_about_30_degrees)
             continue;
         for (const Contour& contour : set.contours_of(set.slices[s])) {
             if (contour.structure != structure) continue;
@@ -45,7 +42,7 @@ std::uint32_t drawn_across(const ContourSet& set, const SliceCoverage& drawn, st
     std::uint32_t count = 0;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
         const double cosine = std::abs(dot(set.slices[s].plane.normal, set.slices[slice].plane.normal));
-        count += drawn.is_drawn(s, structure) && cosine < same_direction;
+        count += drawn.is_drawn(s, structure) && cosine < cos_of_about_30_degrees;
     }
     return count;
 }
@@ -74,7 +71,7 @@ struct Shown {
 // Whether slice `far` lies beyond slice `near`, seen from a structure on the given side of both.
 bool lies_beyond(const ContourSet& set, std::uint32_t far, std::uint32_t near, int side) {
     const Plane &plane = set.slices[near].plane, &other = set.slices[far].plane;
-    if (std::abs(dot(plane.normal, other.normal)) < same_direction) return false;
+    if (std::abs(dot(plane.normal, other.normal)) < cos_of_about_30_degrees) return false;
     Vec3 middle;
     const Slice& slice = set.slices[far];
     double count = 0;
