@@ -22,9 +22,11 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_span_mm = 1;  // of all contours: below it the unit is most likely not the millimetre
-constexpr double crowded_span =
-    1e-4;  // of all contours: crowded points lie no farther apart, whatever the unit
+// Where all contours span less, the unit is most likely not the millimetre. [mm; > 0; C W-CON-023]
+constexpr double least_span_mm = 1;
+// Crowded points lie no farther apart than this share of the span of all contours, whatever the unit.
+// [1; 0 to 0.01; M 2026-11 contours of 100,000 and a million points]
+constexpr double crowded_span = 1e-4;
 
 // Two structures of nearly the same name are most likely one by mistake, but only the user can tell.
 Status compare_names(const RawContours& raw, RunContext& context) {

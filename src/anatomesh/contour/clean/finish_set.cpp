@@ -14,7 +14,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double crowded_off = 0.1;  // of how near crowded points lie: so far off the line may one be
+// So far off the line that is kept may a crowded point lie, as a share of how near crowded points are.
+// [1; 0 to 1; M 2026-11 contours of 100,000 and a million points]
+constexpr double crowded_off = 0.1;
 
 }  // namespace
 

@@ -15,8 +15,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double spread_rounding_mm = 1e-9;  // a slice is spread by more than this, or not at all
-constexpr std::size_t most_names = 4;        // a warning lists the names of at most so many planes
+// A slice is spread by more than this, or not at all. [mm; > 0; D rounding of doubles]
+constexpr double spread_rounding_mm = 1e-9;
+constexpr std::size_t most_names =
+    4;  // A warning lists the names of at most so many planes. [names; >= 1; B]
 
 // Checks what the file calls a hole against how the contour lies.
 Status check_holes(const RawContours& raw, const Resolved& resolved, ReadingLog& log) {

@@ -17,8 +17,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double no_width_mm = 1e-6;  // a contour that is nowhere wider than this has no area
-constexpr double speck_share = 1e-4;  // of the area of a pen's loop: a speck has no larger box
+// A contour that is nowhere wider has no area: digits of files. [mm; 0 to 0.01; D digits of files]
+constexpr double no_width_mm = 1e-6;
+// A speck has no larger box than this share of the area of a pen's loop. [1; 0 to 1; D a choice, measurement not recorded]
+constexpr double speck_share = 1e-4;
 
 // Whether all points lie within `width` of one line.
 bool has_no_width(const std::vector<Vec2>& points, double width) {

@@ -9,7 +9,7 @@ namespace anatomesh {
 
 namespace {
 
-// Of the drawn area; simplification within a fraction of a pixel stays well below it.
+// Of the drawn area; simplification within a fraction of a pixel stays well below it. [1; 0 to 1; C W-CON-024]
 constexpr double most_change = 0.05;
 
 double signed_area(std::span<const Vec3> polygon, Vec3 normal) {

@@ -32,7 +32,7 @@ ContourSet choose_structures(const ContourSet& set, std::span<const std::uint32_
 }
 
 RawContours choose_structures(const RawContours& raw, std::span<const std::uint32_t> chosen) {
-    constexpr std::uint32_t none = 0xFFFFFFFFu;
+    constexpr std::uint32_t none = 0xFFFFFFFFu;  // Marks no structure. [index; largest number; D]
     std::vector<std::uint32_t> new_index(raw.structures.size(), none);
     RawContours part = raw;
     part.structures.clear();

@@ -9,7 +9,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double alike = 0.05;  // gaps beside a group, in shares of the larger
+// Gaps beside a group are alike if they differ by no more than this share of the larger. [1; 0 to 1; D a choice, measurement not recorded]
+constexpr double alike = 0.05;
 
 // What makes a group of a row of gaps: together they are less than a share of the gap on either side.
 struct GroupRule {

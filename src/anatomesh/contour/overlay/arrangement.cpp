@@ -16,9 +16,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_passes = 64;
-constexpr double snap_mm = 1e-6;  // a crossing this close to a vertex is that vertex
-constexpr std::uint32_t none = 0xffffffff;
+constexpr int most_passes = 64;  // Edges are cut until none crosses, or so often. [passes; >= 1; B]
+// A crossing this close to a vertex is that vertex. [mm; 0 to 0.01; D digits of files]
+constexpr double snap_mm = 1e-6;
+constexpr std::uint32_t none = 0xffffffff;  // Marks no vertex or edge. [index; largest number; D]
 
 struct CoordinateLess {
     bool operator()(Vec2 p, Vec2 q) const { return lexicographic_less(p, q); }

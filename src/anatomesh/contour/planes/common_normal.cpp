@@ -7,6 +7,7 @@ namespace anatomesh {
 
 namespace {
 
+// Slices that lean by more against the mean have no common normal. [cosine of 30 degrees; one value; D]
 constexpr double cos_30 = 0.8660254037844387;
 
 }  // namespace

@@ -17,7 +17,9 @@ double CoplanarCluster::leverage(Vec3 p) const {
 
 namespace {
 
-constexpr double least_noise = 1e-5;  // of the contours' extent
+// Points may always lie so far off a plane, as a share of the contours' extent. [1; 0 to 0.01; D a choice, measurement not recorded]
+constexpr double least_noise = 1e-5;
+
 CoplanarCluster joined(const CoplanarCluster& large, const CoplanarCluster& small) {
     CoplanarCluster both = large;
     both.contours.insert(both.contours.end(), small.contours.begin(), small.contours.end());
@@ -87,7 +89,8 @@ class ClusterFinder {
 
     // The cluster whose plane fits best; their number if none does.
     std::size_t host_of(const CoplanarCluster& one, const std::vector<CoplanarCluster>& clusters) const {
-        constexpr double furthest = 10;  // radii of a cluster beside it
+        // So many radii of a cluster beside it its plane is known less well, and no further. [radii; > 0; D a choice, measurement not recorded]
+        constexpr double furthest = 10;
         std::size_t best = clusters.size();
         double least = 1;
         for (std::size_t s = 0; s < clusters.size(); ++s) {

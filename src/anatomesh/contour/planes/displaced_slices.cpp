@@ -13,14 +13,22 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_mm = 2;
+// A displaced slice lies off the line between those beside it by all of the next three.
+constexpr double least_mm = 2;  // [mm; > 0; C W-FLD-011]
+// Radii of the circle of its area. [1; 0 to 1; D a choice, measurement not recorded]
 constexpr double least_of_radius = 0.1;
+// Times the median of what is usual around it. [1; > 1; D a choice, measurement not recorded]
 constexpr double times_usual = 5;
-constexpr std::size_t around = 4;  // slices on either side that show what is usual
+// So many slices on either side show what is usual, the two beside it left out. [slices; >= 2; D a choice, measurement not recorded]
+constexpr std::size_t around = 4;
+// With fewer of them nothing is judged. [slices; >= 1; D a choice, measurement not recorded]
 constexpr std::size_t fewest_around = 3;
-constexpr double in_line_share = 1.0 / 3;  // of the distance: so near are those beside without it
+// Those beside lie so near to a line without it, as a share of the distance. [1; 0 to 1; D a choice, measurement not recorded]
+constexpr double in_line_share = 1.0 / 3;
+// Areas that differ by a larger share of the mean of those beside are no shift. [1; 0 to 1; D a choice, measurement not recorded]
 constexpr double most_area_change = 0.25;
-constexpr double as_a_whole = 0.35;  // of the distance: so much may the sides of its box differ from it
+// So much may the sides of its box move otherwise, as a share of the distance. [1; 0 to 1; D a choice, measurement not recorded]
+constexpr double as_a_whole = 0.35;
 
 // What is drawn of a structure on a slice.
 struct Region {

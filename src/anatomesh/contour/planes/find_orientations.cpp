@@ -13,8 +13,8 @@ namespace anatomesh {
 
 namespace {
 
-// Contours at one coordinate are no accident from this share of all contours' area on. [1; 0 to 1; M 2026-11, set not
-// recorded]
+// Contours at one coordinate are no accident from this share of all contours' area on.
+// [1; 0 to 1; D a choice, measurement not recorded]
 constexpr double least_axial_area = 0.1;
 
 // A declared normal, with the contours on its planes.

@@ -11,8 +11,18 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double near_share_of_gap = 0.4, noise_reach = 2, clear_share = 0.5, repeat_share = 0.1;
-constexpr int scan_lines = 128;
+// Planes are near each other up to this share of the gap on either side of them. [1; 0 to 1; M 2026-11 stacks with
+// points off their planes, and with holes at heights of their own]
+constexpr double near_share_of_gap = 0.4;
+// Times the noise of their points, what planes that are one may differ by. [1; >= 1; M 2026-11, the same]
+constexpr double noise_reach = 2;
+// Read as one slice, structures must differ from slice to slice by less than this share of what they do read as several.
+// [1; 0 to 1; M 2026-11, the same, and knobs on a last slice]
+constexpr double clear_share = 0.5;
+// Contours that differ by a smaller share of the larger area are two slices of one thing. [1; 0 to 1; M 2026-11, the
+// same]
+constexpr double repeat_share = 0.1;
+constexpr int scan_lines = 128;  // Areas are summed along so many lines. [lines; >= 1; B]
 
 using Contours = std::vector<std::uint32_t>;
 using Run = std::pair<std::size_t, std::size_t>;  // of clusters: [first, last)

@@ -14,10 +14,10 @@ namespace anatomesh {
 inline constexpr std::array<Vec3, 3> coordinate_axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
 inline constexpr std::array<int, 3> axial_first{2, 1, 0};  // the axes in the order in which they are tried
 
-// Times the noise, what points may be off a plane fitted to them. [1; >= 1; M 2026-11, set not recorded]
+// Times the noise, what points may be off a plane fitted to them. [1; >= 1; D a choice, measurement not recorded]
 inline constexpr double fitted_share = 1.25;
 // So many points show how far off a plane of their own they are; fewer always lie near one.
-// [points; > 3; M 2026-11, set not recorded]
+// [points; > 3; D a choice, measurement not recorded]
 inline constexpr std::size_t least_points_of_a_plane = 8;
 
 // The plane across a normal that points lie near.

@@ -58,10 +58,12 @@ std::vector<PlaneStack> plane_stacks(std::span<const ContourToPlace> contours,
 }
 
 double same_plane_mm(std::span<const PositionedContour> stack, double extent_mm, double bound_mm) {
-    constexpr double share_of_gap = 0.02;  // of the largest one. [1; 0 to 0.5; M 2026-11, set not recorded]
-    constexpr double share_of_extent = 1e-3;  // for two planes. [1; 0 to 1; M 2026-11, set not recorded]
-    constexpr double rounding_share =
-        1e-5;  // of the extent: no gap. [1; 0 to 1; M 2026-11, set not recorded]
+    // Of the largest gap. [1; 0 to 0.5; D a choice, measurement not recorded]
+    constexpr double share_of_gap = 0.02;
+    // Of the extent, for two planes. [1; 0 to 1; D a choice, measurement not recorded]
+    constexpr double share_of_extent = 1e-3;
+    // Of the extent: less is no gap. [1; 0 to 1; D a choice, measurement not recorded]
+    constexpr double rounding_share = 1e-5;
     const double rounding = rounding_share * extent_mm;
     double largest_gap = 0;
     std::size_t planes = 1;

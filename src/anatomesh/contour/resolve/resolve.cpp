@@ -22,7 +22,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_crossings = 4'000'000;
+constexpr std::size_t most_crossings = 4'000'000;  // Of a slice; with more E-CON-008. [crossings; >= 1; B]
+// Rings that keep so near to each other, as a share of the smaller one's radius, are asked about. [1; 0 to 1; D a choice, measurement not recorded]
 constexpr double doubtful_wall_of_radius = 0.1;
 
 CombineRule rule_of(bool exclusive_or, const ResolveOptions& options) {

@@ -11,7 +11,7 @@ namespace anatomesh {
 namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-constexpr int junction = -1;
+constexpr int junction = -1;  // Marks where more than two labels meet. [mark; negative; D]
 
 // A cell of the dual grid lies between the four pixels corner[0] (x, y), [1] (x + 1, y), [2] (x + 1, y + 1)
 // and [3] (x, y + 1). Its side s joins corner s with corner s + 1: bottom, right, top, left.
@@ -326,7 +326,10 @@ class Tracer {
         }
     }
 
-    static constexpr double least_share = 1.0 / 64, pinch_share = 0.15;
+    // A crossing keeps this share of the way between two pixel centres from each. [1; 0 to 0.5; D a choice, measurement not recorded]
+    static constexpr double least_share = 1.0 / 64;
+    // And this one from a centre that another piece of boundary passes as well. [1; 0 to 0.5; D a choice, measurement not recorded]
+    static constexpr double pinch_share = 0.15;
 
     const LabelGrid& grid_;
     const GreySlice& grey_;

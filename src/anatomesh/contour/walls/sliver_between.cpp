@@ -10,8 +10,7 @@ namespace anatomesh {
 
 namespace {
 
-// A sliver has no more vertices of either contour: more are no chords of one line. [vertices; >= 1; M 2026-11, set not
-// recorded]
+// A sliver has no more vertices of either contour: more are no chords of one line. [vertices; >= 1; M 2026-11 random solids that touch]
 constexpr std::size_t most_vertices_of_sliver = 3;
 
 // Of the vertices of two stretches in one order: whether it is the first one's.

@@ -22,9 +22,9 @@ namespace anatomesh {
 
 namespace {
 
-// So much of the slivers' area may change beyond each of their two ends. [1; 0 to 1; M 2026-11, set not recorded]
+// So much of the slivers' area may change beyond each of their two ends. [1; 0 to 1; M 2026-11 random solids that touch]
 constexpr double least_area = 0.1;
-// A crossing so near to the end of its segment gets no vertex. [segment lengths; 0 to 0.5; M 2026-11, set not recorded]
+// A crossing so near to the end of its segment gets no vertex. [segment lengths; 0 to 0.5; M 2026-11 random solids that touch]
 constexpr double beside_a_vertex = 0.1;
 
 class SliceSlivers : public ConflatedContours {
