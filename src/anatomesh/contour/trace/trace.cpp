@@ -210,7 +210,7 @@ void assemble(const std::vector<SliceContours>& slices, const SliceAxes& axes, C
     }
 }
 
-// Of the area labelled in the kept slices: thin parts may be torn.
+// Of the area labelled in the kept slices: thin parts may be torn. [1; 0 to 1; C W-TRC-005]
 constexpr double much_left_out = 0.05;
 
 void sum_up(const std::vector<SliceContours>& slices, double pixel_area, TraceStats& stats) {
@@ -290,12 +290,59 @@ void warn_about_missed_pieces(const LabelMap& labels, const SliceAxes& axes, con
 }
 
 std::string list_of(const std::vector<Structure>& structures) {
-    constexpr std::size_t most = 10;
+    constexpr std::size_t most = 10;  // A message lists so many names. [names; >= 1; B]
     std::string list;
     for (std::size_t s = 0; s < std::min(structures.size(), most); ++s) {
         list += (s == 0 ? "" : ", ") + name_of(structures[s]);
     }
     return structures.size() > most ? list + " ..." : list;
+}
+
+Settings settings_of(const TraceOptions& options, const SliceAxes& axes, double threshold) {
+    Settings settings;
+    settings.min_pixels = options.min_area_mm2 < 0 ? 4 : options.min_area_mm2 / axes.pixel_area();
+    settings.epsilon = options.epsilon_mm < 0 ? 0.15 * axes.pixel() : options.epsilon_mm;
+    settings.spacing = axes.pixel() / 3;
+    settings.clearance = axes.pixel() / 10;
+    settings.threshold = threshold;
+    return settings;
+}
+
+// Why nothing was traced on the slices that are used.
+Error no_contours_error(const LabelMap& labels, const SliceAxes& axes, std::size_t slices,
+                        const TraceStats& stats) {
+    const bool too_small = stats.islands_left_out > 0;
+    const bool elsewhere = !too_small && std::any_of(labels.voxels.begin(), labels.voxels.end(),
+                                                     [](std::uint16_t label) { return label != 0; });
+    return Error{ErrorKind::geometry,
+                 "E-TRC-001",
+                 too_small   ? "every part is smaller than the minimum area"
+                 : elsewhere ? "no voxel belongs to a structure in the " + std::to_string(slices) + " of " +
+                                   std::to_string(axes.size[2]) + " slices that are used"
+                             : "no voxel belongs to a structure",
+                 {labels.source, "", list_of(labels.structures), "", ""},
+                 too_small   ? "give a smaller --min-area"
+                 : elsewhere ? "give a smaller --every or another --offset"
+                             : "check the labels or the threshold"};
+}
+
+// Warns of islands that were left out and are many, and of what simplification did to areas.
+void warn_about_areas(const std::vector<SliceContours>& slices, const TraceStats& stats,
+                      const ContourSet& set, RunContext& context) {
+    std::vector<AreaChange> changes;
+    for (const SliceContours& slice : slices) {
+        changes.insert(changes.end(), slice.changes.begin(), slice.changes.end());
+    }
+    double area = 0;
+    for (const AreaChange& change : changes) area += change.area_mm2;
+    if (stats.area_left_out_mm2 > much_left_out * (area + stats.area_left_out_mm2)) {
+        context.warn({"W-TRC-005",
+                      "islands smaller than the minimum area are more than 5 % of the labelled area",
+                      {set.source, "", "", "",
+                       brief(100 * stats.area_left_out_mm2 / (area + stats.area_left_out_mm2)) + " %"},
+                      "they were left out, so that thin parts may be missing; --min-area 0 keeps them"});
+    }
+    warn_of_area_changes(changes, set.structures, set.source, context);
 }
 
 }  // namespace
@@ -322,13 +369,7 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
                      "give a smaller --offset"};
     }
 
-    Settings settings;
-    settings.min_pixels = options.min_area_mm2 < 0 ? 4 : options.min_area_mm2 / axes.pixel_area();
-    settings.epsilon = options.epsilon_mm < 0 ? 0.15 * axes.pixel() : options.epsilon_mm;
-    settings.spacing = axes.pixel() / 3;
-    settings.clearance = axes.pixel() / 10;
-    settings.threshold = threshold;
-
+    const Settings settings = settings_of(options, axes, threshold);
     std::vector<SliceContours> slices((axes.size[2] - options.offset + options.every - 1) / options.every);
     context.report("contours", 0);
     parallel_for(slices.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
@@ -355,36 +396,9 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     stats.contours = static_cast<std::uint32_t>(set.contours.size());
     stats.epsilon_mm = settings.epsilon;
     stats.slice_axis = axes.axis[2];
-    if (set.contours.empty()) {
-        const bool too_small = stats.islands_left_out > 0;
-        const bool elsewhere = !too_small && std::any_of(labels.voxels.begin(), labels.voxels.end(),
-                                                         [](std::uint16_t label) { return label != 0; });
-        return Error{ErrorKind::geometry,
-                     "E-TRC-001",
-                     too_small   ? "every part is smaller than the minimum area"
-                     : elsewhere ? "no voxel belongs to a structure in the " + std::to_string(slices.size()) +
-                                       " of " + std::to_string(axes.size[2]) + " slices that are used"
-                                 : "no voxel belongs to a structure",
-                     {labels.source, "", list_of(labels.structures), "", ""},
-                     too_small   ? "give a smaller --min-area"
-                     : elsewhere ? "give a smaller --every or another --offset"
-                                 : "check the labels or the threshold"};
-    }
+    if (set.contours.empty()) return no_contours_error(labels, axes, slices.size(), stats);
     warn_about_pieces(stats, labels.source, context);
-    std::vector<AreaChange> changes;
-    for (const SliceContours& slice : slices) {
-        changes.insert(changes.end(), slice.changes.begin(), slice.changes.end());
-    }
-    double area = 0;
-    for (const AreaChange& change : changes) area += change.area_mm2;
-    if (stats.area_left_out_mm2 > much_left_out * (area + stats.area_left_out_mm2)) {
-        context.warn({"W-TRC-005",
-                      "islands smaller than the minimum area are more than 5 % of the labelled area",
-                      {labels.source, "", "", "",
-                       brief(100 * stats.area_left_out_mm2 / (area + stats.area_left_out_mm2)) + " %"},
-                      "they were left out, so that thin parts may be missing; --min-area 0 keeps them"});
-    }
-    warn_of_area_changes(changes, set.structures, set.source, context);
+    warn_about_areas(slices, stats, set, context);
     warn_about_structures(labels, slices, set, context);
     warn_about_missed_pieces(labels, axes, options, settings.min_pixels, set, context);
     return result;
