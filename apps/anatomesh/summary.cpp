@@ -57,8 +57,8 @@ std::string report_summary(const ModelReport& report) {
     const QualityReport& quality = report.quality;
     text += fmt::format(
         "  radius-edge mean {:.3f}, above 2: {:.3f} %; dihedral angles {:.2f} to {:.2f} degrees\n",
-        quality.radius_edge_mean, 100 * quality.radius_edge_share_over_2, quality.dihedral_min_deg,
-        quality.dihedral_max_deg);
+        quality.radius_edge.mean, 100 * quality.radius_edge.share_over_2, quality.dihedral_deg.min,
+        quality.dihedral_deg.max);
     if (const FieldDistanceReport& distance = report.field.distance; distance.points > 0) {
         text += fmt::format("  farthest from the field: {}{:.3g} mm, at {:.1f} {:.1f} {:.1f}\n",
                             distance.at_least ? "at least " : "", distance.max_mm, distance.at[0],

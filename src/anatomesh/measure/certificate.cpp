@@ -224,12 +224,12 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
     report.listed_cells.total = shapes.over_bound.size();
     report.listed_cells.forced = report.listed_cells.bad = 0;
     ShapeFindings found;
-    found.above = report.quality.radius_edge_over_2;
-    found.mean_free = report.quality.radius_edge_mean;
+    found.above = report.quality.radius_edge.over_2;
+    found.mean_free = report.quality.radius_edge.mean;
     if (shapes.over_bound.empty()) return found;
     const ContourSet none;
     ForcedCells forced(input.mesh, input.contours ? *input.contours : none, findings.vertex_of);
-    forced.find_constraint_limited(shapes.over_bound, contract::forcing_share * report.quality.edge_mean_mm);
+    forced.find_constraint_limited(shapes.over_bound, contract::forcing_share * report.quality.edge_mm.mean);
     for (const std::uint32_t c : shapes.over_bound) {
         ListedCell listed{c, shapes.radius_edge[c], shapes.min_dihedral_deg[c], {}, forced.reason(c)};
         Vec3 sum;
@@ -531,18 +531,18 @@ Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, c
                       share_text(found.above, report.counts.tetrahedra) + ") above 2, ";
     clause.evidence += input.contours ? std::to_string(found.forced) + " of them forced by contour points"
                                       : "the reason is not known without contours";
-    clause.evidence += ", mean " + fixed_text(quality.radius_edge_mean, 3);
+    clause.evidence += ", mean " + fixed_text(quality.radius_edge.mean, 3);
     if (input.contours && found.above > 0)
         clause.evidence += " (" + fixed_text(found.mean_free, 3) + " for those not forced)";
-    clause.evidence += ", maximum " + fixed_text(quality.radius_edge_max, 2);
+    clause.evidence += ", maximum " + fixed_text(quality.radius_edge.max, 2);
     if (found.above > 0) {
         clause.evidence += report.listed_cells.total <= max_listed_cells
                                ? ", all listed"
                                : ", the worst " + std::to_string(max_listed_cells) + " listed";
     }
-    clause.evidence += "; smallest dihedral angle " + fixed_text(quality.dihedral_min_deg, 2) + " degrees, " +
-                       std::to_string(quality.dihedral_below_10) + " tetrahedra below 10, " +
-                       std::to_string(quality.dihedral_below_15) + " below 15";
+    clause.evidence += "; smallest dihedral angle " + fixed_text(quality.dihedral_deg.min, 2) + " degrees, " +
+                       std::to_string(quality.dihedral_deg.below_10) + " tetrahedra below 10, " +
+                       std::to_string(quality.dihedral_deg.below_15) + " below 15";
     if (found.bad + found.forced_gross > 0)
         clause.evidence = "measured, not met: " + bad_cells_text(found) + "; " + clause.evidence;
     return clause;

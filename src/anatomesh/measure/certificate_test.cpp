@@ -210,8 +210,8 @@ TEST(Certificate, flat_cells_are_listed_with_what_forces_them) {
     EXPECT_EQ(report.listed_cells.cells.size(), 384u);
     EXPECT_GE(report.listed_cells.cells[0].value, report.listed_cells.cells[1].value);
     EXPECT_EQ(report.certificate[3].state, ClauseState::broken);
-    EXPECT_DOUBLE_EQ(report.quality.radius_edge_share_over_2, 1.0);
-    EXPECT_GT(report.quality.dihedral_below_10, 0u);
+    EXPECT_DOUBLE_EQ(report.quality.radius_edge.share_over_2, 1.0);
+    EXPECT_GT(report.quality.dihedral_deg.below_10, 0u);
 }
 
 // A block one cell wide, all vertices of which are contour vertices, and these so far apart.
@@ -307,7 +307,7 @@ TEST(Certificate, coarse_cells_within_the_bound_keep_clause_4_whatever_their_mea
     Case stretched;
     for (Vec3& p : stretched.mesh.points) p.x *= 2.5;
     const ModelReport report = stretched.measure(false);
-    EXPECT_GT(report.quality.radius_edge_mean, contract::mean_radius_edge);
+    EXPECT_GT(report.quality.radius_edge.mean, contract::mean_radius_edge);
     EXPECT_EQ(report.listed_cells.total, 0u);
     EXPECT_EQ(report.certificate[3].state, ClauseState::kept);
 }
@@ -435,15 +435,15 @@ TEST(QualityReport, figures_of_cubes_cut_in_six) {
     const CellShapes shapes = measure_shapes(testing::brick_mesh({3, 3, 3}, everywhere), context);
     const QualityReport& report = shapes.report;
     // Each such cell has the cube's circumradius, sqrt(3) / 2, and dihedral angles of 45, 60 and 90 degrees.
-    EXPECT_NEAR(report.radius_edge_mean, std::sqrt(3.0) / 2, 1e-12);
-    EXPECT_NEAR(report.radius_edge_max, std::sqrt(3.0) / 2, 1e-12);
-    EXPECT_NEAR(report.dihedral_min_deg, 45.0, 1e-9);
-    EXPECT_NEAR(report.dihedral_max_deg, 90.0, 1e-9);
-    EXPECT_DOUBLE_EQ(report.edge_min_mm, 1.0);
-    EXPECT_DOUBLE_EQ(report.edge_max_mm, std::sqrt(3.0));
-    EXPECT_EQ(report.radius_edge.counts.size(), 50u);
-    EXPECT_EQ(report.radius_edge.counts[7], 162u);  // 0.85 to 0.90
-    EXPECT_EQ(measure_shapes({}, context).report.edge_max_mm, 0.0);
+    EXPECT_NEAR(report.radius_edge.mean, std::sqrt(3.0) / 2, 1e-12);
+    EXPECT_NEAR(report.radius_edge.max, std::sqrt(3.0) / 2, 1e-12);
+    EXPECT_NEAR(report.dihedral_deg.min, 45.0, 1e-9);
+    EXPECT_NEAR(report.dihedral_deg.max, 90.0, 1e-9);
+    EXPECT_DOUBLE_EQ(report.edge_mm.min, 1.0);
+    EXPECT_DOUBLE_EQ(report.edge_mm.max, std::sqrt(3.0));
+    EXPECT_EQ(report.radius_edge.histogram.counts.size(), 50u);
+    EXPECT_EQ(report.radius_edge.histogram.counts[7], 162u);  // 0.85 to 0.90
+    EXPECT_EQ(measure_shapes({}, context).report.edge_mm.max, 0.0);
 }
 
 }  // namespace

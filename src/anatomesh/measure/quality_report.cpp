@@ -69,17 +69,17 @@ CellShapes measure_shapes(const TetMesh& mesh, const RunContext& context) {
     });
 
     double ratio_sum = 0, edge_sum = 0;
-    report.edge_min_mm = edges[0].shortest;
+    report.edge_mm.min = edges[0].shortest;
     for (std::size_t c = 0; c < count; ++c) {
         ratio_sum += ratio[c];
         edge_sum += edges[c].sum;
-        report.edge_min_mm = std::min(report.edge_min_mm, edges[c].shortest);
-        report.edge_max_mm = std::max(report.edge_max_mm, edges[c].longest);
-        report.dihedral_max_deg = std::max(report.dihedral_max_deg, largest[c]);
-        report.dihedral_below_10 += smallest[c] < 10.0;
-        report.dihedral_below_15 += smallest[c] < 15.0;
+        report.edge_mm.min = std::min(report.edge_mm.min, edges[c].shortest);
+        report.edge_mm.max = std::max(report.edge_mm.max, edges[c].longest);
+        report.dihedral_deg.max = std::max(report.dihedral_deg.max, largest[c]);
+        report.dihedral_deg.below_10 += smallest[c] < 10.0;
+        report.dihedral_deg.below_15 += smallest[c] < 15.0;
         const bool over = ratio[c] > radius_edge_bound;
-        report.radius_edge_over_2 += over;
+        report.radius_edge.over_2 += over;
         if (over || smallest[c] < listed_angle_deg)
             shapes.over_bound.push_back(static_cast<std::uint32_t>(c));
     }
@@ -91,19 +91,19 @@ CellShapes measure_shapes(const TetMesh& mesh, const RunContext& context) {
         return a < b;
     });
     const auto cells = static_cast<double>(count);
-    report.radius_edge_mean = ratio_sum / cells;
-    report.radius_edge_share_over_2 = static_cast<double>(report.radius_edge_over_2) / cells;
-    report.edge_mean_mm = edge_sum / (6 * cells);
-    report.radius_edge = histogram(ratio, 0.5, 3.0, 50);
-    report.min_dihedral = histogram(smallest, 0.0, 75.0, 75);
+    report.radius_edge.mean = ratio_sum / cells;
+    report.radius_edge.share_over_2 = static_cast<double>(report.radius_edge.over_2) / cells;
+    report.edge_mm.mean = edge_sum / (6 * cells);
+    report.radius_edge.histogram = histogram(ratio, 0.5, 3.0, 50);
+    report.dihedral_deg.histogram = histogram(smallest, 0.0, 75.0, 75);
 
     shapes.min_dihedral_deg = smallest;  // percentile() puts them into another order
-    report.dihedral_min_deg = *std::min_element(smallest.begin(), smallest.end());
-    report.dihedral_p01_deg = percentile(smallest, 0.01);
-    report.dihedral_median_min_deg = percentile(smallest, 0.5);
+    report.dihedral_deg.min = *std::min_element(smallest.begin(), smallest.end());
+    report.dihedral_deg.p01 = percentile(smallest, 0.01);
+    report.dihedral_deg.median_min = percentile(smallest, 0.5);
     shapes.radius_edge = ratio;
-    report.radius_edge_max = *std::max_element(ratio.begin(), ratio.end());
-    report.radius_edge_p99 = percentile(ratio, 0.99);
+    report.radius_edge.max = *std::max_element(ratio.begin(), ratio.end());
+    report.radius_edge.p99 = percentile(ratio, 0.99);
     return shapes;
 }
 

@@ -41,12 +41,29 @@ struct Histogram {
     std::vector<std::uint64_t> counts;
 };
 
+struct RadiusEdgeReport {
+    double mean = 0, p99 = 0, max = 0;
+    double share_over_2 = 0;
+    std::uint64_t over_2 = 0;
+    Histogram histogram;
+};
+
+// Of the smallest angle of every cell; `max`: of its largest one.
+struct DihedralReport {
+    double min = 0, p01 = 0, median_min = 0, max = 0;
+    std::uint64_t below_10 = 0, below_15 = 0;
+    Histogram histogram;
+};
+
+struct EdgeReport {
+    double min = 0, mean = 0, max = 0;
+};
+
+// The shapes of all cells.
 struct QualityReport {
-    double radius_edge_mean = 0, radius_edge_p99 = 0, radius_edge_max = 0, radius_edge_share_over_2 = 0;
-    double dihedral_min_deg = 0, dihedral_p01_deg = 0, dihedral_median_min_deg = 0, dihedral_max_deg = 0;
-    std::uint64_t radius_edge_over_2 = 0, dihedral_below_10 = 0, dihedral_below_15 = 0;
-    double edge_min_mm = 0, edge_mean_mm = 0, edge_max_mm = 0;
-    Histogram radius_edge, min_dihedral;
+    RadiusEdgeReport radius_edge;
+    DihedralReport dihedral_deg;
+    EdgeReport edge_mm;
 };
 
 // The shells of a structure's surface, and which of them the contours know of.

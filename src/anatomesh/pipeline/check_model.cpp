@@ -68,7 +68,7 @@ void check_model(const CertificateInput& model, const CheckModelOptions& options
                  ModelReport& report) {
     measure_model(model, context, report);
     report.lengths.size_mm = options.size_mm;
-    const double size_mm = report.lengths.size_mm > 0 ? report.lengths.size_mm : report.quality.edge_mean_mm;
+    const double size_mm = report.lengths.size_mm > 0 ? report.lengths.size_mm : report.quality.edge_mm.mean;
     warn_of_model(report, size_mm, options.contours_file, context);
     if (model.contours) look_for_tears(model, report, size_mm, context);
     if (options.mid_nodes) look_at_jacobians(model.mesh, *options.mid_nodes, options.model_file, context);

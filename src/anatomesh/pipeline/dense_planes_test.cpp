@@ -62,7 +62,7 @@ TEST(DensePlanes, keep_their_contour_segments_in_cells_as_good_as_these_let_them
         const Model& model = made.value();
         EXPECT_GT(share_of_segments_kept(model), least_kept);
         EXPECT_LE(cells_that_nothing_forces(model), 3u);
-        EXPECT_LT(model.report.quality.radius_edge_share_over_2, most_over_bound);
+        EXPECT_LT(model.report.quality.radius_edge.share_over_2, most_over_bound);
         EXPECT_TRUE(std::none_of(context.warnings.begin(), context.warnings.end(),
                                  [](const Warning& w) { return w.code == "W-PIP-005"; }));
         expect_structure(model, 0, {1, 0, 4.0 / 3 * pi * radius * radius * radius, 0.03});
@@ -106,10 +106,10 @@ TEST(DensePlanes, say_that_cells_were_left_as_they_come_and_a_given_size_does_mo
     const auto second = build_model(dense, options, full);
     ASSERT_TRUE(second.ok()) << to_line(second.error());
     EXPECT_EQ(count_of(full, "W-PIP-005"), 0);
-    EXPECT_LT(second.value().report.quality.radius_edge_share_over_2,
-              first.value().report.quality.radius_edge_share_over_2);
-    EXPECT_LT(second.value().report.quality.dihedral_below_10,
-              first.value().report.quality.dihedral_below_10);
+    EXPECT_LT(second.value().report.quality.radius_edge.share_over_2,
+              first.value().report.quality.radius_edge.share_over_2);
+    EXPECT_LT(second.value().report.quality.dihedral_deg.below_10,
+              first.value().report.quality.dihedral_deg.below_10);
     EXPECT_GT(share_of_segments_kept(second.value()), share_of_segments_kept(first.value()) + 0.2);
 }
 

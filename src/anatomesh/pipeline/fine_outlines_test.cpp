@@ -42,7 +42,7 @@ TEST(FineOutlines, have_cells_as_good_in_the_mean_as_others) {
                 const ModelReport& report = made.value().report;
                 const Clause& clause = report.certificate.at(3);
                 EXPECT_EQ(clause.state, ClauseState::kept) << clause.evidence;
-                EXPECT_LE(report.quality.radius_edge_mean, 0.95) << report.counts.tetrahedra;
+                EXPECT_LE(report.quality.radius_edge.mean, 0.95) << report.counts.tetrahedra;
                 EXPECT_EQ(report.structures.at(0).fidelity.segments,
                           report.structures.at(0).fidelity.segments_on_surface);
             }
@@ -93,7 +93,7 @@ TEST(FineOutlines, of_few_thick_slices_have_cells_as_good_in_the_mean_as_others)
         const auto made = build(traced.value().kept);
         ASSERT_TRUE(made.ok()) << to_line(made.error());
         const ModelReport& report = made.value().report;
-        EXPECT_LE(report.quality.radius_edge_mean, 0.95) << report.counts.tetrahedra;
+        EXPECT_LE(report.quality.radius_edge.mean, 0.95) << report.counts.tetrahedra;
         EXPECT_EQ(report.certificate.at(3).state, ClauseState::kept) << report.certificate.at(3).evidence;
     }
 }

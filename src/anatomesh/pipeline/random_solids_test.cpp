@@ -278,7 +278,7 @@ Segments expect_sound(const Case& drawn, const Model& model, const ContourSet& k
     Segments segments;
     const TetMesh& mesh = model.mesh;
     EXPECT_EQ(fault_of_cells(mesh), "");
-    EXPECT_GT(model.report.quality.dihedral_min_deg, flattest_degrees);
+    EXPECT_GT(model.report.quality.dihedral_deg.min, flattest_degrees);
     for (Region region = 0; region < model.regions.members.size(); ++region) {
         const Surface surface = region == 0 ? boundary_of(mesh, [](Region) { return true; })
                                             : boundary_of(mesh, [&](Region r) { return r == region; });

@@ -34,7 +34,7 @@ TEST(TouchingCells, clause_4_is_kept_with_few_cells_above_ratio_2) {
                 const ModelReport& report = made.value().report;
                 const Clause& clause = report.certificate.at(3);
                 EXPECT_EQ(clause.state, ClauseState::kept) << clause.evidence;
-                above += report.quality.radius_edge_over_2;
+                above += report.quality.radius_edge.over_2;
                 cells += report.counts.tetrahedra;
             }
         }

@@ -94,7 +94,7 @@ std::string tiles(const ModelReport& report) {
     if (report.counts.contour_vertices > 0)
         html += tile(grouped(report.counts.contour_vertices), "contour vertices");
     if (report.counts.slices > 0) html += tile(grouped(report.counts.slices), "slices");
-    html += tile(grouped(report.quality.radius_edge_mean, 2), "mean radius-edge");
+    html += tile(grouped(report.quality.radius_edge.mean, 2), "mean radius-edge");
     if (!report.run.stages.empty()) html += tile(grouped(total_seconds(report), 2) + " s", "all stages");
     return html + "</div>\n";
 }
@@ -159,20 +159,20 @@ std::string certificate(const ModelReport& report) {
 std::string quality(const ModelReport& report) {
     const QualityReport& q = report.quality;
     const std::string ratio =
-        histogram_svg(q.radius_edge, {2.0, true, 0.5, 1, "circumradius / shortest edge"}) +
-        "<p class=\"note\">Mean " + grouped(q.radius_edge_mean, 3) + ", 99 % below " +
-        grouped(q.radius_edge_p99, 2) + ", largest " + grouped(q.radius_edge_max, 2) +
-        "; above 2: " + grouped(q.radius_edge_over_2) + " (" +
-        fixed_text(100 * q.radius_edge_share_over_2, 3) + " %).</p>";
+        histogram_svg(q.radius_edge.histogram, {2.0, true, 0.5, 1, "circumradius / shortest edge"}) +
+        "<p class=\"note\">Mean " + grouped(q.radius_edge.mean, 3) + ", 99 % below " +
+        grouped(q.radius_edge.p99, 2) + ", largest " + grouped(q.radius_edge.max, 2) +
+        "; above 2: " + grouped(q.radius_edge.over_2) + " (" +
+        fixed_text(100 * q.radius_edge.share_over_2, 3) + " %).</p>";
     const std::string angles =
-        histogram_svg(q.min_dihedral,
+        histogram_svg(q.dihedral_deg.histogram,
                       {10.0, false, 15, 0, "smallest dihedral angle of a tetrahedron, degrees"}) +
-        "<p class=\"note\">Smallest " + grouped(q.dihedral_min_deg, 2) + "&deg;, 1 % below " +
-        grouped(q.dihedral_p01_deg, 1) + "&deg;, median " + grouped(q.dihedral_median_min_deg, 1) +
-        "&deg;; below 10&deg;: " + grouped(q.dihedral_below_10) +
-        ", below 15&deg;: " + grouped(q.dihedral_below_15) + "; largest angle " +
-        grouped(q.dihedral_max_deg, 1) + "&deg;. Edges " + grouped(q.edge_min_mm, 3) + " to " +
-        grouped(q.edge_max_mm, 2) + " mm, mean " + grouped(q.edge_mean_mm, 2) + " mm.</p>";
+        "<p class=\"note\">Smallest " + grouped(q.dihedral_deg.min, 2) + "&deg;, 1 % below " +
+        grouped(q.dihedral_deg.p01, 1) + "&deg;, median " + grouped(q.dihedral_deg.median_min, 1) +
+        "&deg;; below 10&deg;: " + grouped(q.dihedral_deg.below_10) +
+        ", below 15&deg;: " + grouped(q.dihedral_deg.below_15) + "; largest angle " +
+        grouped(q.dihedral_deg.max, 1) + "&deg;. Edges " + grouped(q.edge_mm.min, 3) + " to " +
+        grouped(q.edge_mm.max, 2) + " mm, mean " + grouped(q.edge_mm.mean, 2) + " mm.</p>";
     return "<div class=\"grid2\">" + section("Radius-edge ratio", ratio) +
            section("Dihedral angles", angles) + "</div>\n";
 }
@@ -256,7 +256,7 @@ std::string beside_the_paper(const ModelReport& report) {
                  ? grouped(report.meshing.radius_edge_mean_before_refinement, 2)
                  : std::string("&ndash;"),
              "2.0") +
-        line("Mean radius-edge ratio after refinement", grouped(report.quality.radius_edge_mean, 2), "0.9") +
+        line("Mean radius-edge ratio after refinement", grouped(report.quality.radius_edge.mean, 2), "0.9") +
         line("Time, all stages", report.run.stages.empty() ? "&ndash;" : grouped(seconds, 2) + " s", "10 s");
     return section("Beside the paper's skull",
                    table({"", "#This model", "#Archip et al. 2006, as published"}, rows) +

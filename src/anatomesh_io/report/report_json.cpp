@@ -96,21 +96,21 @@ Json histogram_json(const Histogram& histogram) {
 Json quality_json(const QualityReport& q) {
     return {
         {"radius_edge",
-         {{"mean", number(q.radius_edge_mean)},
-          {"p99", number(q.radius_edge_p99)},
-          {"max", number(q.radius_edge_max)},
-          {"share_over_2", number(q.radius_edge_share_over_2)},
-          {"histogram", histogram_json(q.radius_edge)}}},
+         {{"mean", number(q.radius_edge.mean)},
+          {"p99", number(q.radius_edge.p99)},
+          {"max", number(q.radius_edge.max)},
+          {"share_over_2", number(q.radius_edge.share_over_2)},
+          {"histogram", histogram_json(q.radius_edge.histogram)}}},
         {"dihedral_deg",
-         {{"min", number(q.dihedral_min_deg)},
-          {"p01_of_min", number(q.dihedral_p01_deg)},
-          {"median_of_min", number(q.dihedral_median_min_deg)},
-          {"max", number(q.dihedral_max_deg)},
-          {"tetrahedra_below_10", q.dihedral_below_10},
-          {"tetrahedra_below_15", q.dihedral_below_15},
-          {"histogram_of_min", histogram_json(q.min_dihedral)}}},
+         {{"min", number(q.dihedral_deg.min)},
+          {"p01_of_min", number(q.dihedral_deg.p01)},
+          {"median_of_min", number(q.dihedral_deg.median_min)},
+          {"max", number(q.dihedral_deg.max)},
+          {"tetrahedra_below_10", q.dihedral_deg.below_10},
+          {"tetrahedra_below_15", q.dihedral_deg.below_15},
+          {"histogram_of_min", histogram_json(q.dihedral_deg.histogram)}}},
         {"edge_mm",
-         {{"min", number(q.edge_min_mm)}, {"mean", number(q.edge_mean_mm)}, {"max", number(q.edge_max_mm)}}}};
+         {{"min", number(q.edge_mm.min)}, {"mean", number(q.edge_mm.mean)}, {"max", number(q.edge_mm.max)}}}};
 }
 
 Json certificate_json(const ModelReport& report) {

@@ -72,8 +72,8 @@ TEST(ReportJson, is_valid_against_its_schema) {
     EXPECT_EQ(std::system((python + " '" + script + "' '" + file.string() + "'").c_str()), 0);
 
     Sample broken;
-    broken.report.quality.radius_edge_max = std::numeric_limits<double>::infinity();
-    broken.report.quality.edge_min_mm = std::numeric_limits<double>::quiet_NaN();
+    broken.report.quality.radius_edge.max = std::numeric_limits<double>::infinity();
+    broken.report.quality.edge_mm.min = std::numeric_limits<double>::quiet_NaN();
     std::ofstream(file) << report_json(broken.report);
     EXPECT_EQ(std::system((python + " '" + script + "' '" + file.string() + "'").c_str()), 0);
     std::filesystem::remove(file);
@@ -113,7 +113,7 @@ TEST(ReportJson, an_option_that_was_repeated_has_all_its_values) {
 TEST(ReportJson, what_is_not_known_is_null) {
     Sample sample;
     sample.report.structures[0].volume.field_mm3 = 0;
-    sample.report.quality.radius_edge_max = std::numeric_limits<double>::infinity();
+    sample.report.quality.radius_edge.max = std::numeric_limits<double>::infinity();
     const auto json = nlohmann::json::parse(report_json(sample.report));
     EXPECT_TRUE(json["structures"][0]["volume_field_mm3"].is_null());
     EXPECT_TRUE(json["quality"]["radius_edge"]["max"].is_null());

@@ -313,9 +313,9 @@ void warn_of_constraint_limited_cells(const ModelReport& report, const std::stri
     const QualityReport& quality = report.quality;
     Place place;
     place.file = file;
-    place.value = brief(100 * quality.radius_edge_share_over_2) +
+    place.value = brief(100 * quality.radius_edge.share_over_2) +
                   " % of the tetrahedra above radius-edge ratio 2, " +
-                  std::to_string(quality.dihedral_below_10) + " with an angle below 10 degrees";
+                  std::to_string(quality.dihedral_deg.below_10) + " with an angle below 10 degrees";
     context.warn({"W-PIP-005",
                   "the planes are closer together than the vertices of their contours; tetrahedra between "
                   "them were not improved "

@@ -73,12 +73,12 @@ bool keeps_shapes(const ModelReport& report, const ModelReport& other, const Com
         return static_cast<double>(of.listed_cells.total - of.listed_cells.forced);
     };
     const double few = options.over_bound * static_cast<double>(report.counts.tetrahedra);
-    return quality.radius_edge_mean <= before.radius_edge_mean &&
-           quality.radius_edge_share_over_2 <=
-               std::max(before.radius_edge_share_over_2, options.over_bound) &&
-           quality.radius_edge_max <= std::max(before.radius_edge_max, options.largest_ratio) &&
-           quality.dihedral_below_10 <= before.dihedral_below_10 &&
-           quality.dihedral_min_deg >= std::min(before.dihedral_min_deg, contract::bad_dihedral_degrees) &&
+    return quality.radius_edge.mean <= before.radius_edge.mean &&
+           quality.radius_edge.share_over_2 <=
+               std::max(before.radius_edge.share_over_2, options.over_bound) &&
+           quality.radius_edge.max <= std::max(before.radius_edge.max, options.largest_ratio) &&
+           quality.dihedral_deg.below_10 <= before.dihedral_deg.below_10 &&
+           quality.dihedral_deg.min >= std::min(before.dihedral_deg.min, contract::bad_dihedral_degrees) &&
            unforced(report) <= std::max(unforced(other), few);
 }
 

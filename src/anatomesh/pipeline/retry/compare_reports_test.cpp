@@ -33,11 +33,11 @@ Case middling() {
     report.field.distance.max_mm = 0.6;
     report.field.distance.joined_mm = 0.6;
     report.field.difference.max_mm = 0.6;
-    report.quality.radius_edge_mean = 0.96;
-    report.quality.radius_edge_share_over_2 = 0.001;
-    report.quality.radius_edge_max = 3;
-    report.quality.dihedral_min_deg = 9;
-    report.quality.dihedral_below_10 = 2;
+    report.quality.radius_edge.mean = 0.96;
+    report.quality.radius_edge.share_over_2 = 0.001;
+    report.quality.radius_edge.max = 3;
+    report.quality.dihedral_deg.min = 9;
+    report.quality.dihedral_deg.below_10 = 2;
     report.listed_cells.total = 8;
     report.listed_cells.forced = 1;
     model.warnings = {{"W-PIP-004", "", {}, ""}};
@@ -68,11 +68,11 @@ TEST(CompareReports, OneWorseFigureIsEnough) {
         {"unknown distance", [](Case& m) { m.report.field.distance.at_least = true; }},
         {"joint", [](Case& m) { m.report.field.distance.joined_mm = 0.7; }},
         {"difference", [](Case& m) { m.report.field.difference.max_mm = 0.7; }},
-        {"mean", [](Case& m) { m.report.quality.radius_edge_mean = 0.97; }},
-        {"share", [](Case& m) { m.report.quality.radius_edge_share_over_2 = 0.002; }},
-        {"largest ratio", [](Case& m) { m.report.quality.radius_edge_max = 3.1; }},
-        {"angles", [](Case& m) { m.report.quality.dihedral_below_10 = 3; }},
-        {"least angle", [](Case& m) { m.report.quality.dihedral_min_deg = 8; }},
+        {"mean", [](Case& m) { m.report.quality.radius_edge.mean = 0.97; }},
+        {"share", [](Case& m) { m.report.quality.radius_edge.share_over_2 = 0.002; }},
+        {"largest ratio", [](Case& m) { m.report.quality.radius_edge.max = 3.1; }},
+        {"angles", [](Case& m) { m.report.quality.dihedral_deg.below_10 = 3; }},
+        {"least angle", [](Case& m) { m.report.quality.dihedral_deg.min = 8; }},
         {"no reason", [](Case& m) { m.report.listed_cells.forced = 0; }},
         {"warning", [](Case& m) { m.warnings.push_back(m.warnings.front()); }},
         {"other warning", [](Case& m) { m.warnings.front().code = "W-PIP-008"; }},
@@ -102,11 +102,11 @@ TEST(CompareReports, AnotherSurfaceIsWorseBothWays) {
 TEST(CompareReports, SingleCellsAboveTheBoundAreAllowed) {
     Case few = middling(), none = middling();
     few.report.listed_cells.total = 7;
-    few.report.quality.radius_edge_share_over_2 = 0.0005;
-    few.report.quality.radius_edge_max = 3.9;
+    few.report.quality.radius_edge.share_over_2 = 0.0005;
+    few.report.quality.radius_edge.max = 3.9;
     none.report.listed_cells.total = 1;
-    none.report.quality.radius_edge_share_over_2 = 0;
-    none.report.quality.radius_edge_max = 1.9;
+    none.report.quality.radius_edge.share_over_2 = 0;
+    none.report.quality.radius_edge.max = 1.9;
     const auto compare = [&](const CompareOptions& options) {
         return is_no_worse({few.report, few.warnings}, {none.report, none.warnings}, options);
     };

@@ -24,7 +24,7 @@ constexpr std::size_t small_model = 30000;
 constexpr double near_enough = 0.5;
 
 bool exceeds_mean_ratio(const Model& model) {
-    return model.report.quality.radius_edge_mean > most_mean;
+    return model.report.quality.radius_edge.mean > most_mean;
 }
 
 // Bad cells without a reason.
@@ -35,8 +35,8 @@ std::uint64_t unforced(const Model& model) {
 // The first of two that has a mean as is asked for, or one lower by something; of two that have it, the one
 // with fewer bad cells.
 bool is_better(const Model& model, const Model& other) {
-    const double mean = model.report.quality.radius_edge_mean;
-    const double before = other.report.quality.radius_edge_mean;
+    const double mean = model.report.quality.radius_edge.mean;
+    const double before = other.report.quality.radius_edge.mean;
     if (before <= most_mean) return mean <= most_mean && unforced(model) < unforced(other);
     return mean <= most_mean || mean <= before - least_mean_gain;
 }

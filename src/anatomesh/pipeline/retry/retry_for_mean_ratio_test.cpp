@@ -14,7 +14,7 @@ Model with_mean(double mean, std::size_t cells = 1000) {
     Model model;
     model.mesh.cells.resize(cells);
     model.report.counts.tetrahedra = cells;
-    model.report.quality.radius_edge_mean = mean;
+    model.report.quality.radius_edge.mean = mean;
     return model;
 }
 
@@ -64,7 +64,7 @@ TEST(RetryForMeanRatio, TakesTheFirstThatIsEven) {
     EXPECT_EQ(done.tried.size(), 2U);
     EXPECT_GT(done.tried[0], done.tried[1]);
     EXPECT_TRUE(done.taken);
-    EXPECT_EQ(done.model.report.quality.radius_edge_mean, 0.945);
+    EXPECT_EQ(done.model.report.quality.radius_edge.mean, 0.945);
     EXPECT_EQ(done.model.mesh.cells.size(), 1010U);
 }
 
@@ -87,9 +87,9 @@ TEST(RetryForMeanRatio, OfSeveralEvenOnesTakesThatWithFewestBadCells) {
 TEST(RetryForMeanRatio, ElseTheOneWithTheLeastMean) {
     const Outcome done = run(with_mean(0.97), {0.955, 0.96, 0.965});
     EXPECT_EQ(done.tried.size(), 3U);
-    EXPECT_EQ(done.model.report.quality.radius_edge_mean, 0.955);
+    EXPECT_EQ(done.model.report.quality.radius_edge.mean, 0.955);
     EXPECT_TRUE(done.warnings.empty()) << "those of the model that is taken";
-    EXPECT_EQ(run(with_mean(0.97), {0.96}).model.report.quality.radius_edge_mean, 0.96) << "then no models";
+    EXPECT_EQ(run(with_mean(0.97), {0.96}).model.report.quality.radius_edge.mean, 0.96) << "then no models";
 }
 
 TEST(RetryForMeanRatio, NoCellsAreGivenForNextToNothing) {
@@ -104,7 +104,7 @@ TEST(RetryForMeanRatio, AWorseOneIsNotTakenNorAreItsWarnings) {
     const Outcome done = run(with_mean(0.97), {0.94, 0.94, 0.94}, {"one", "two", "three"});
     EXPECT_EQ(done.tried.size(), 3U);
     EXPECT_FALSE(done.taken);
-    EXPECT_EQ(done.model.report.quality.radius_edge_mean, 0.97);
+    EXPECT_EQ(done.model.report.quality.radius_edge.mean, 0.97);
     EXPECT_EQ(done.warnings, std::vector<std::string>{"first"});
 }
 

@@ -34,7 +34,7 @@ double class_of(double value, double first, double factor) {
 
 // What the report of a model that keeps the contract tells: over_bound, clauses, components and handles.
 void add_report(RunScore& score, const ModelReport& report, bool has_segments_beside) {
-    score.over_bound = report.quality.radius_edge_share_over_2;
+    score.over_bound = report.quality.radius_edge.share_over_2;
     bool lacks_contours = has_segments_beside;  // clause 2
     for (const Clause& clause : report.certificate) {
         if (clause.state == ClauseState::kept) continue;

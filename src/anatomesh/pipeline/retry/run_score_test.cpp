@@ -16,7 +16,7 @@ namespace {
 // A model that keeps the contract: two structures of 100 segments each, 4 of which are no chains of edges.
 ModelReport report_of_two() {
     ModelReport report;
-    report.quality.radius_edge_share_over_2 = 0.25;
+    report.quality.radius_edge.share_over_2 = 0.25;
     report.certificate = {{1, ClauseState::kept, "", ""}, {2, ClauseState::kept, "", ""}};
     report.structures.resize(2);
     for (StructureReport& structure : report.structures) {
