@@ -21,7 +21,7 @@ field/model field/slice field/warnings field/stack field/planes field/overlaps f
 overlaps
 sample delaunay cull cut measure
 improve/core improve/operations improve/climb improve/sections improve/surgery improve/reroute improve/smooth improve
-measure/topology refine recover element
+measure/certificate measure/topology refine recover element
 pipeline/model pipeline/retry pipeline/run pipeline
 uncertainty
 """.split()

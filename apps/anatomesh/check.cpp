@@ -9,7 +9,7 @@
 
 #include "anatomesh/base/plural.h"
 #include "anatomesh/geom/box.h"
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/pipeline/check_model.h"
 #include "anatomesh_io/provenance/contours_of_model.h"
 #include "anatomesh_io/provenance/field_of_model.h"

@@ -149,16 +149,13 @@ class SectionBoundary {
 
 std::vector<SliceSection> slice_sections(std::span<const Vec3> points,
                                          std::span<const std::vector<Triangle>> surfaces,
-                                         const ContourSet& contours,
+                                         const ContourSet& contours, const SliceCoverage& coverage,
                                          std::span<const std::uint32_t> vertex_of) {
     assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
     std::vector<SliceSection> sections;
     if (contours.slices.empty()) return sections;
     const double tolerance = on_plane_mm(contours);
     const bool parallel = all_parallel(contours, exactly_parallel_mm);
-    RunContext context;
-    // The certificate takes nothing from earlier stages.
-    const SliceCoverage coverage = coverage_of(contours, arrangement_of(contours), context);
     const std::vector<Box2> frames = parallel ? std::vector<Box2>() : frames_of_slices(contours);
     std::vector<std::uint8_t> drawn_here(points.size(), 0);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {

@@ -7,6 +7,7 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/mesh/model/surface_mesh.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -20,14 +21,14 @@ struct SliceSection {
 // For every structure and every slice, in the order of structures and then of slices. A slice on which a
 // structure is not drawn says that it is not there; left out are slices without any contour where planes are
 // not parallel, and those of which the field takes it that they say nothing of the structure
-// (slice_coverage.h). `surfaces[s]` is the surface of the contour set's
+// (`coverage`, of the set). `surfaces[s]` is the surface of the contour set's
 // structure s as outward triangles of `points`, closed; `vertex_of` the mesh vertex of every contour point,
 // or no_cell (contour_fidelity()). The cross-section is of the solid with its boundary: a facet in the plane belongs to
 // it. Where planes are not parallel, what lies beyond the box of a slice's contours is not compared: a plane
 // says nothing there. Complexity: O(t log t) for t triangles, and those near each plane.
 std::vector<SliceSection> slice_sections(std::span<const Vec3> points,
                                          std::span<const std::vector<Triangle>> surfaces,
-                                         const ContourSet& contours,
+                                         const ContourSet& contours, const SliceCoverage& coverage,
                                          std::span<const std::uint32_t> vertex_of);
 
 // A vertex this near to a plane lies in it.

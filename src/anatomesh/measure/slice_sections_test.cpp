@@ -108,7 +108,9 @@ struct Prism {
         for (std::uint32_t v = 0; v < 3 * n; ++v) vertex_of.push_back(v);
     }
     std::vector<SliceSection> sections() const {
-        return slice_sections(points, std::vector<std::vector<Triangle>>{surface}, contours, vertex_of);
+        RunContext context;
+        return slice_sections(points, std::vector<std::vector<Triangle>>{surface}, contours,
+                              coverage_of(contours, arrangement_of(contours), context), vertex_of);
     }
 };
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "anatomesh/mesh/shape/quality.h"
-#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -61,14 +60,12 @@ std::vector<double> mesh_volumes(const TetMesh& mesh, const RegionTable& regions
     return of_structure;
 }
 
-std::vector<double> slice_volumes(const ContourSet& set) {
+std::vector<double> slice_volumes(const ContourSet& set, const SliceCoverage& coverage) {
     if (set.slices.size() < 2 || !all_parallel(set, parallel_tolerance_mm)) return {};
     // By structure: most have all slices in common.
     std::map<std::vector<bool>, std::vector<double>> thickness_of;
     std::vector<const std::vector<double>*> thickness;
     const std::vector<bool> all(set.slices.size(), true);
-    RunContext context;
-    const SliceCoverage coverage = coverage_of(set, arrangement_of(set), context);
     for (std::uint32_t i = 0; i < set.structures.size(); ++i) {
         std::vector<bool> counts(set.slices.size());
         for (std::uint32_t k = 0; k < counts.size(); ++k) counts[k] = coverage.is_certain(k, i);

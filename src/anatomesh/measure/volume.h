@@ -5,6 +5,7 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -17,7 +18,7 @@ std::vector<double> mesh_volumes(const TetMesh& mesh, const RegionTable& regions
 // slice beyond the last contour). Slices that say nothing about a structure (slice_coverage.h: it is drawn on
 // slices of its own) are none of its, if it has two or more. Empty when the planes are not parallel (0.01 mm
 // over the set) or there are fewer than two. Requires: a kept contour set (holes run against their outer
-// contours).
-std::vector<double> slice_volumes(const ContourSet& set);
+// contours); `coverage` of the set.
+std::vector<double> slice_volumes(const ContourSet& set, const SliceCoverage& coverage);
 
 }  // namespace anatomesh

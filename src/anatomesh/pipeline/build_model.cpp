@@ -10,7 +10,7 @@
 
 #include "anatomesh/base/contract.h"
 #include "anatomesh/base/number_text.h"
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/pipeline/retry/retry_for_mean_ratio.h"
 #include "anatomesh/pipeline/retry/retry_messages.h"
 #include "anatomesh/pipeline/retry/retry_policy.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh/mesh/model/mid_nodes.h"
 

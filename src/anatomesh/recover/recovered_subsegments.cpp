@@ -9,7 +9,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/geom/point_grid.h"
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
 #include "anatomesh/recover/insert_keeping_segments.h"

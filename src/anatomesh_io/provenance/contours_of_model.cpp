@@ -13,7 +13,7 @@
 #include "anatomesh/contour/model/choose_structures.h"
 #include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/contour/model/find_structures.h"
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/hausdorff.h"
 #include "anatomesh/mesh/check/topology.h"

@@ -7,7 +7,7 @@
 
 #include "anatomesh/base/contract.h"
 #include "anatomesh/field/end_caps.h"
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/measure/volume.h"
 #include "anatomesh_io/provenance/model_description.h"
 

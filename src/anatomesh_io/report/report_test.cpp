@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh_io/report/html_text.h"
 #include "anatomesh_io/report/report_charts.h"

@@ -8,7 +8,7 @@
 
 #include "anatomesh/base/contract.h"
 #include "anatomesh/base/number_text.h"
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {

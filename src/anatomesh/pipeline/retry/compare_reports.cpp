@@ -6,7 +6,7 @@
 #include <string>
 
 #include "anatomesh/base/contract.h"
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 
 namespace anatomesh {
 

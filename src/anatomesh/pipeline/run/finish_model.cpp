@@ -7,7 +7,7 @@
 
 #include "anatomesh/improve/reroute/routed_contours.h"
 #include "anatomesh/improve/reroute/snap_round_segments.h"
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/mesh/edit/drop_outside.h"
 #include "anatomesh/pipeline/model/model_warnings.h"
 

@@ -5,7 +5,7 @@
 
 #include "anatomesh/base/contract.h"
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
 
 namespace anatomesh {

@@ -1,4 +1,4 @@
-#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/certificate/certificate.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 #include "anatomesh/base/contract.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/quality_report.h"
-#include "anatomesh/measure/volume.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
 namespace anatomesh::certificate_test {
@@ -392,42 +391,6 @@ TEST(ForcedCells, names_contours_that_pass_each_other_or_meet_at_a_small_angle) 
               "an angle of 20.0 degrees between the contours at vertex 0 in slice k = 7 and at vertex 3 in "
               "slice k = 8");
     EXPECT_EQ(reason(meeting(40), shared, 0.02), "");
-}
-
-TEST(Volume, overlapping_structures_get_their_overlap_each) {
-    const TetMesh mesh = testing::brick_mesh({3, 1, 1}, [](int i, int, int) { return Region(i + 1); });
-    const std::vector<double> volumes = mesh_volumes(mesh, {{{}, {0}, {0, 1}, {1}}}, 2);
-    EXPECT_DOUBLE_EQ(volumes[0], 2.0);
-    EXPECT_DOUBLE_EQ(volumes[1], 2.0);
-}
-
-TEST(Volume, slices_that_cross_are_not_integrated) {
-    Case turned;
-    turned.contours.slices[1].plane = make_plane({0, 0, 2}, {0, 1, 1});
-    EXPECT_TRUE(slice_volumes(turned.contours).empty());
-}
-
-// Each of two structures, squares of 4 by 4, on slices of its own: others' slices are none of its.
-TEST(Volume, RS19_slices_that_say_nothing_about_a_structure_are_none_of_its) {
-    for (const double shift : {0.5, 1.0}) {
-        ContourSet set;
-        set.structures = {{1, "organ", {}}, {2, "lesion", {}}};
-        const auto draw = [&](double z, std::uint32_t structure) {
-            const auto slice = static_cast<std::uint32_t>(set.slices.size());
-            set.slices.push_back({make_plane({0, 0, z}, {0, 0, 1}), slice, 1, "z"});
-            set.contours.push_back({structure, slice, 4 * slice, 4});
-            for (const Vec2 p : {Vec2{0, 0}, Vec2{4, 0}, Vec2{4, 4}, Vec2{0, 4}})
-                set.points.push_back({p.x, p.y, z});
-        };
-        for (int k = 0; k < 6; ++k) {
-            draw(3 * k, 0);
-            if (k < 4) draw(3 * k + shift, 1);
-        }
-        const std::vector<double> volumes = slice_volumes(set);
-        ASSERT_EQ(volumes.size(), 2u);
-        EXPECT_NEAR(volumes[0], 6 * 3 * 16, 1e-9);
-        EXPECT_NEAR(volumes[1], 4 * 3 * 16, 1e-9);
-    }
 }
 
 TEST(QualityReport, figures_of_cubes_cut_in_six) {
