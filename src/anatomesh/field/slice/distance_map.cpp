@@ -97,10 +97,10 @@ void DistanceMap::choose_grid(double cell) {
         cell = std::max(0.5 * total / static_cast<double>(lines_.size()), limit_ / 4);
     }
     const double most = 48.0 * static_cast<double>(lines_.size()) + 4096;
-    cell_ = std::max({cell, std::sqrt(width * height / most), std::max(width, height) / most});
-    inverse_cell_ = 1.0 / cell_;
-    nx_ = static_cast<std::uint32_t>(std::floor(width * inverse_cell_)) + 1;
-    ny_ = static_cast<std::uint32_t>(std::floor(height * inverse_cell_)) + 1;
+    grid_.cell = std::max({cell, std::sqrt(width * height / most), std::max(width, height) / most});
+    grid_.inverse = 1.0 / grid_.cell;
+    grid_.nx = static_cast<std::uint32_t>(std::floor(width * grid_.inverse)) + 1;
+    grid_.ny = static_cast<std::uint32_t>(std::floor(height * grid_.inverse)) + 1;
 }
 
 Vec2 DistanceMap::nearest_point(const Line& line, Vec2 q) const {
@@ -114,9 +114,9 @@ Vec2 DistanceMap::nearest_point(const Line& line, Vec2 q) const {
 bool DistanceMap::is_never_nearest(const Line& line, Vec2 centre, const Line& best) const {
     const Vec2 from_line = centre - nearest_point(line, centre);
     const double d = length(from_line);
-    if (d <= 1e-6 * cell_) return false;
+    if (d <= 1e-6 * grid_.cell) return false;
     const Vec2 n = (1 / d) * from_line;
-    const double half = 0.5 * cell_, slack = tie_ + 1e-9 * cell_;
+    const double half = 0.5 * grid_.cell, slack = tie_ + 1e-9 * grid_.cell;
     for (const Vec2 step : {Vec2{-half, -half}, Vec2{half, -half}, Vec2{-half, half}, Vec2{half, half}}) {
         const double at_least = d + dot(n, step) - slack;
         if (at_least <= 0 || foot(best, centre + step).squared_distance >= at_least * at_least) return false;
@@ -135,36 +135,36 @@ ANATOMESH_CLONES void DistanceMap::squared_distances(const Line& line, std::span
 // see.
 template <class Body>
 void DistanceMap::each_cell_near_an_edge(Body body) const {
-    const double half_diagonal = cell_ * std::sqrt(0.5);
+    const double half_diagonal = grid_.cell * std::sqrt(0.5);
     const double reach = std::max(limit_ + half_diagonal, 3 * half_diagonal) * (1 + 1e-12) + tie_;
     const PixelGrid grid = centres();
     const auto clipped = [](double v, std::uint32_t n) {
         return static_cast<std::uint32_t>(std::clamp(v, 0.0, static_cast<double>(n)));
     };
-    std::vector<double> columns(nx_), squared(nx_);
-    for (std::uint32_t i = 0; i < nx_; ++i) columns[i] = grid.low.x + i * cell_;
+    std::vector<double> columns(grid_.nx), squared(grid_.nx);
+    for (std::uint32_t i = 0; i < grid_.nx; ++i) columns[i] = grid.low.x + i * grid_.cell;
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
         const Edge2& edge = edges_[e];
         const Vec2 low = Vec2{std::min(edge.a.x, edge.b.x), std::min(edge.a.y, edge.b.y)} - grid.low;
         const Vec2 high = Vec2{std::max(edge.a.x, edge.b.x), std::max(edge.a.y, edge.b.y)} - grid.low;
-        const std::uint32_t i0 = clipped(std::ceil((low.x - reach) * inverse_cell_), nx_);
-        const std::uint32_t i1 = clipped(std::floor((high.x + reach) * inverse_cell_) + 1, nx_);
-        const std::uint32_t j0 = clipped(std::ceil((low.y - reach) * inverse_cell_), ny_);
-        const std::uint32_t j1 = clipped(std::floor((high.y + reach) * inverse_cell_) + 1, ny_);
+        const std::uint32_t i0 = clipped(std::ceil((low.x - reach) * grid_.inverse), grid_.nx);
+        const std::uint32_t i1 = clipped(std::floor((high.x + reach) * grid_.inverse) + 1, grid_.nx);
+        const std::uint32_t j0 = clipped(std::ceil((low.y - reach) * grid_.inverse), grid_.ny);
+        const std::uint32_t j1 = clipped(std::floor((high.y + reach) * grid_.inverse) + 1, grid_.ny);
         for (std::uint32_t j = j0; j < j1 && i0 < i1; ++j) {
-            const double y = grid.low.y + j * cell_;
+            const double y = grid.low.y + j * grid_.cell;
             squared_distances(lines_[e], std::span(columns).subspan(i0, i1 - i0), y, squared.data());
             for (std::uint32_t i = i0; i < i1; ++i)
-                body(e, static_cast<std::size_t>(j) * nx_ + i, Vec2{columns[i], y}, squared[i - i0]);
+                body(e, static_cast<std::size_t>(j) * grid_.nx + i, Vec2{columns[i], y}, squared[i - i0]);
         }
     }
 }
 
 void DistanceMap::list_candidates() {
-    const std::size_t cell_count = static_cast<std::size_t>(nx_) * ny_;
+    const std::size_t cell_count = grid_.size();
     std::vector<std::uint8_t> side(cell_count, all_outside);
     fill_even_odd(edges_, centres(), [&](std::uint32_t j, std::uint32_t first, std::uint32_t last) {
-        const auto row = side.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(j) * nx_);
+        const auto row = side.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(j) * grid_.nx);
         std::fill(row + first, row + last, all_inside);
     });
 
@@ -183,7 +183,7 @@ void DistanceMap::list_candidates() {
     });
     // Where the boundary does not cross a cell, its sign is that of the centre, and edges beyond the limit
     // are of no use.
-    const double half_diagonal = cell_ * std::sqrt(0.5);
+    const double half_diagonal = grid_.cell * std::sqrt(0.5);
     for (std::size_t c = 0; c < cell_count; ++c) {
         const double d = std::sqrt(cells[c].squared);
         const bool is_crossed = d <= half_diagonal * (1 + 1e-9) + tie_;
@@ -224,7 +224,7 @@ void DistanceMap::list_candidates() {
         if (cells[c].count == 0) continue;
         const double lower =
             std::min(limit_, std::sqrt(cells[c].squared) - half_diagonal) * (1 - 1e-6) - tie_;
-        candidates_[cells_[c]] = (cells[c].count << count_shift) | side[c];
+        candidates_[cells_[c]] = ListHead::of(cells[c].count, 0, side[c]).bits;
         candidates_[cells_[c] + 1] = std::bit_cast<std::uint32_t>(static_cast<float>(std::max(lower, 0.0)));
     }
 }
@@ -262,22 +262,22 @@ void DistanceMap::make_strips() {
 // Replaces the edges of long lists by their strips. Lists rise, so those of one strip stand together.
 void DistanceMap::shorten_lists() {
     const auto is_long = [&](std::uint32_t entry) {
-        return entry >= first_list && candidates_[entry] >> count_shift > longest_list;
+        return entry >= first_list && head_at(entry).count() > longest_list;
     };
     if (std::none_of(cells_.begin(), cells_.end(), is_long)) return;
     make_strips();
     std::size_t size = first_list;
     for (std::uint32_t& cell : cells_) {
         if (cell < first_list) continue;
+        const ListHead before = head_at(cell);
         const auto head = candidates_.begin() + cell, first = head + head_size;
-        auto last = first + (*head >> count_shift);
-        const std::uint32_t side = *head & side_mask;
+        auto last = first + before.count();
         std::uint32_t level = 0;
         for (; last - first > longest_list && level < strip_levels; ++level) {
             std::transform(first, last, first, [](std::uint32_t entry) { return entry / strip_size; });
             last = std::unique(first, last);
         }
-        *head = static_cast<std::uint32_t>(last - first) << count_shift | level << side_bits | side;
+        *head = ListHead::of(static_cast<std::size_t>(last - first), level, before.side()).bits;
         cell = static_cast<std::uint32_t>(size);
         size = static_cast<std::size_t>(
             std::copy(head, last, candidates_.begin() + static_cast<std::ptrdiff_t>(size)) -
@@ -288,8 +288,8 @@ void DistanceMap::shorten_lists() {
 }
 
 DistanceMap::List DistanceMap::list_at(std::uint32_t entry) const {
-    const std::uint32_t head = candidates_[entry];
-    return {{&candidates_[entry + head_size], head >> count_shift}, (head & level_mask) >> side_bits};
+    const ListHead head = head_at(entry);
+    return {{&candidates_[entry + head_size], head.count()}, head.level()};
 }
 
 // Calls body(edge, squared distance), in the edges' order, for those of the listed edges or strips that can
@@ -340,9 +340,10 @@ DistanceMap::Nearest DistanceMap::nearest_by_strips(Vec2 q, const List& list, do
 // value(), where the cell has a list.
 ANATOMESH_CLONES double DistanceMap::near_value(Vec2 q, std::uint32_t entry) const {
     const std::uint32_t* list = &candidates_[entry];
-    const std::uint32_t head = *list, whole = head & side_mask;
-    if ((head & level_mask) != 0) return value_by_strips(q, entry);
-    const std::uint32_t *edge = list + head_size, *const end = edge + (head >> count_shift);
+    const ListHead head{*list};
+    const Side whole = head.side();
+    if (head.level() != 0) return value_by_strips(q, entry);
+    const std::uint32_t *edge = list + head_size, *const end = edge + head.count();
     const Line* const lines = lines_.data();
     if (whole != crossed) {
         double squared = limit_ * limit_;
@@ -374,7 +375,7 @@ ANATOMESH_CLONES double DistanceMap::near_value(Vec2 q, std::uint32_t entry) con
 }
 
 double DistanceMap::value_by_strips(Vec2 q, std::uint32_t entry) const {
-    const std::uint32_t whole = candidates_[entry] & side_mask;
+    const Side whole = head_at(entry).side();
     const List list = list_at(entry);
     if (whole == crossed)
         return signed_value(q, entry, nearest_by_strips(q, list, std::numeric_limits<double>::infinity()));
@@ -401,7 +402,7 @@ std::size_t DistanceMap::steps(Vec2 q) const {
     const std::uint32_t entry = place(q);
     if (entry < first_list) return 0;
     const List list = list_at(entry);
-    const bool is_crossed = (candidates_[entry] & side_mask) == crossed;
+    const bool is_crossed = head_at(entry).side() == crossed;
     return list.level == 0
                ? list.entries.size()
                : nearest_by_strips(q, list,

@@ -57,9 +57,9 @@ class DistanceMap {
     // The same in two steps: whoever asks several maps finds all places first, so that the accesses to memory
     // overlap.
     std::uint32_t place(Vec2 q) const {
-        const double x = (q.x - box_.low.x) * inverse_cell_, y = (q.y - box_.low.y) * inverse_cell_;
-        if (!(x >= 0 && y >= 0 && x < nx_ && y < ny_)) return far_outside;
-        return cells_[static_cast<std::size_t>(static_cast<std::uint32_t>(y)) * nx_ +
+        const double x = (q.x - box_.low.x) * grid_.inverse, y = (q.y - box_.low.y) * grid_.inverse;
+        if (!(x >= 0 && y >= 0 && x < grid_.nx && y < grid_.ny)) return far_outside;
+        return cells_[static_cast<std::size_t>(static_cast<std::uint32_t>(y)) * grid_.nx +
                       static_cast<std::uint32_t>(x)];
     }
     void prefetch(std::uint32_t entry) const { __builtin_prefetch(candidates_.data() + entry); }
@@ -72,7 +72,7 @@ class DistanceMap {
     }
     Bound bound(std::uint32_t entry) const {
         if (entry < first_list) return {entry == far_inside ? -1 : 1, limit_};
-        const std::uint32_t whole = candidates_[entry] & side_mask;
+        const Side whole = head_at(entry).side();
         if (whole == crossed) return {0, 0};
         return {whole == all_inside ? -1 : 1, std::bit_cast<float>(candidates_[entry + 1])};
     }
@@ -82,7 +82,7 @@ class DistanceMap {
     const Box2& region_box() const { return region_box_; }
     double limit() const { return limit_; }
     double area() const { return area_; }  // of the drawn region, mm^2
-    double cell() const { return cell_; }
+    double cell() const { return grid_.cell; }
     std::span<const Edge2> edges() const { return edges_; }
     std::size_t bytes() const;
     // How many edges and strips value(q) looks at.
@@ -90,15 +90,30 @@ class DistanceMap {
 
   private:
     // Entries of cells_ below first_list: no edge within the limit of any point of the cell.
-    static constexpr std::uint32_t far_outside = 0, far_inside = 1, first_list = 2;
+    enum Entry : std::uint32_t { far_outside = 0, far_inside = 1, first_list = 2 };
 
-    // The head of a list: how many entries, of which level, and whether the boundary crosses the cell or
-    // leaves it on one side.
-    static constexpr std::uint32_t crossed = 0, all_outside = 1, all_inside = 2, side_bits = 2,
-                                   level_bits = 2;
-    static constexpr std::uint32_t side_mask = (1u << side_bits) - 1, level_mask = ((1u << level_bits) - 1)
-                                                                                   << side_bits;
-    static constexpr std::uint32_t count_shift = side_bits + level_bits, head_size = 2;
+    // Whether the boundary crosses a cell or leaves it on one side.
+    enum Side : std::uint32_t { crossed = 0, all_outside = 1, all_inside = 2 };
+
+    // What a list begins with, in 32 bits: how many entries, of which level (below 4), and the cell's side.
+    struct ListHead {
+        std::uint32_t bits;
+        Side side() const { return static_cast<Side>(bits & 3u); }
+        std::uint32_t level() const { return bits >> 2 & 3u; }
+        std::uint32_t count() const { return bits >> 4; }
+        static ListHead of(std::size_t count, std::uint32_t level, std::uint32_t side) {
+            return {static_cast<std::uint32_t>(count) << 4 | level << 2 | side};
+        }
+    };
+    // Before the entries of a list: its head, and the bits of a float. [words; 2; D]
+    static constexpr std::uint32_t head_size = 2;
+
+    // Square cells from the box's lower corner on.
+    struct Grid {
+        double cell = 0, inverse = 0;  // edge of a cell
+        std::uint32_t nx = 0, ny = 0;  // how many cells
+        std::size_t size() const { return static_cast<std::size_t>(nx) * ny; }
+    };
 
     // What the region looks like at an end of an edge: which side is near when the end is the nearest
     // feature.
@@ -135,7 +150,8 @@ class DistanceMap {
     void classify_corners();
     void choose_grid(double cell);
     PixelGrid centres() const {
-        return {box_.low + Vec2{0.5 * cell_, 0.5 * cell_}, {cell_, cell_}, nx_, ny_};
+        const double cell = grid_.cell;
+        return {box_.low + Vec2{0.5 * cell, 0.5 * cell}, {cell, cell}, grid_.nx, grid_.ny};
     }
     static void squared_distances(const Line& line, std::span<const double> x, double y, double* squared);
     template <class Body>
@@ -144,6 +160,7 @@ class DistanceMap {
     void make_strips();
     Strip make_strip(std::size_t first, std::size_t last) const;
     void shorten_lists();
+    ListHead head_at(std::uint32_t entry) const { return {candidates_[entry]}; }
     List list_at(std::uint32_t entry) const;
     double near_value(Vec2 q, std::uint32_t entry) const;
     double value_by_strips(Vec2 q, std::uint32_t entry) const;
@@ -174,11 +191,10 @@ class DistanceMap {
     std::vector<Line> lines_;
     std::vector<Corner> start_corner_, end_corner_;
     Box2 region_box_, box_;
-    double limit_ = 0, cell_ = 0, inverse_cell_ = 0, area_ = 0, tie_ = 0;
-    std::uint32_t nx_ = 0, ny_ = 0;
+    double limit_ = 0, area_ = 0, tie_ = 0;
+    Grid grid_;
     std::vector<std::uint32_t> cells_;  // far_outside, far_inside, or where in candidates_ the list starts
-    // Per list: how many, their level and the side, a lower bound of the distance (a float's bits), then the
-    // edges or strips, rising.
+    // Per list: its head, a lower bound of the distance (a float's bits), then the edges or strips, rising.
     std::vector<std::uint32_t> candidates_;
     std::vector<std::vector<Strip>> strips_;  // by level, from 1 on; none where no list is long
 };
