@@ -204,135 +204,196 @@ std::optional<double> spacing_of_parts(const std::vector<StructurePart>& parts, 
     return least;
 }
 
+// The slices that tell of a structure, as indices into the intervals, rising.
+struct TellingSlices {
+    std::vector<std::uint32_t> covering;  // that say something of it
+    // Of these, without those whose outlines nobody drew: such part no gap, those between the others count.
+    std::vector<std::uint32_t> known;
+    std::vector<std::size_t> place;  // in `known`, of each that tells, or of the next one below it
+    bool own_spacing = false;        // it is on slices of its own, and knows these alone
+};
+
+TellingSlices telling_slices(const std::vector<SliceInterval>& intervals,
+                             const std::vector<std::uint32_t>& drawn, bool every_slice,
+                             const GapEvidence& evidence) {
+    TellingSlices slices;
+    slices.covering = covering_of(intervals, drawn, every_slice, evidence.left_out);
+    slices.own_spacing = slices.covering.size() < drawn.back() - drawn.front() + 1u;
+    for (const std::uint32_t i : slices.covering) {
+        const bool is_end = i == slices.covering.front() || i == slices.covering.back();
+        if (is_end || !std::binary_search(evidence.interpolated.begin(), evidence.interpolated.end(), i))
+            slices.known.push_back(i);
+        slices.place.push_back(slices.known.size() - 1);
+    }
+    return slices;
+}
+
+GapClassification gaps_between(const TellingSlices& slices, const std::vector<SliceInterval>& intervals,
+                               double spacing) {
+    const auto gap_between = [&](std::size_t below, std::size_t above) {
+        return intervals[above].low - intervals[below].high;
+    };
+    const std::vector<std::uint32_t>& known = slices.known;
+    const bool own_gaps = slices.own_spacing || known.size() < slices.covering.size();
+    std::vector<double> around;
+    if (own_gaps) {
+        for (std::size_t i = 1; i < known.size(); ++i) around.push_back(gap_between(known[i - 1], known[i]));
+    } else {
+        for (std::size_t i = 1; i < intervals.size(); ++i) around.push_back(gap_between(i - 1, i));
+    }
+    return {around, own_gaps ? 0 : slices.covering.front(), known.size() - 1, spacing};
+}
+
+// Makes the knots from the lowest slice upwards, part by part.
+class KnotMaker {
+  public:
+    // `spacing`: where the gaps tell none.
+    KnotMaker(const std::vector<SliceInterval>& intervals, TellingSlices slices, double spacing,
+              const FieldOptions& options, const GapEvidence& evidence)
+        : intervals_(intervals),
+          options_(options),
+          evidence_(evidence),
+          slices_(std::move(slices)),
+          gaps_(gaps_between(slices_, intervals, spacing)),
+          spacing_(spacing),
+          widest_(options.max_gap_spacings * joined_more) {}
+
+    StructureKnots make(const std::vector<std::uint32_t>& drawn) {
+        const std::vector<std::uint32_t>& covering = slices_.covering;
+        for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) {
+            if (!std::binary_search(covering.begin(), covering.end(), i))
+                made_.unknown.push_back(intervals_[i].slice);
+        }
+        std::size_t next_drawn = 0;
+        for (std::size_t i = 0; i < covering.size(); ++i) {
+            if (i > 0 && slices_.place[i] != slices_.place[i - 1]) pass_gap(i);
+            if (i == 0) made_.knots.push_back(end_knot(covering[0], -1, spacing_at(0, 1)));
+            const bool is_drawn = next_drawn < drawn.size() && drawn[next_drawn] == covering[i];
+            next_drawn += is_drawn;
+            add_slice(covering[i], is_drawn);
+        }
+        close_part(end_knot(covering.back(), 1, spacing_at(slices_.known.size() - 1, -1)));
+        made_.flat.back().until = std::numeric_limits<double>::infinity();
+        return std::move(made_);
+    }
+
+  private:
+    // Where its own slices were left out, of usual gaps, it goes on.
+    bool is_open(std::size_t gap) const {
+        const double spacings = gaps_.spacings(gap);
+        const double low = intervals_[slices_.known[gap]].high, high = intervals_[slices_.known[gap + 1]].low;
+        return spacings > widest_ && spacings * widest_part(low, high, evidence_.left_out) > hardly_wider &&
+               !(evidence_.of_all && has_part(evidence_.parts, low, high));
+    }
+
+    // The gaps that count from a known slice inwards, up to eight, before the first open one.
+    std::vector<double> gaps_from(std::size_t end, int inward) const {
+        std::vector<double> more;
+        for (std::size_t i = 0; more.size() < 8; ++i) {
+            const std::size_t gap = inward > 0 ? end + i : end - 1 - i;
+            if (gap >= gaps_.size() || is_open(gap)) break;
+            if (gaps_.counts(gap)) more.push_back(gaps_[gap]);
+        }
+        return more;
+    }
+
+    // Spacing where a part begins or ends: the one that most of its gaps there share. Where they share none,
+    // and more of them are uneven too, that of the gap that an end falls into. Else the local one, or that of
+    // the part itself where it is smaller.
+    double spacing_at(std::size_t end, int inward) const {
+        const SliceInterval& slice = intervals_[slices_.known[end]];
+        if (const auto told = spacing_of_parts(evidence_.parts, slice, inward)) return *told;
+        if (gaps_.size() == 0) return spacing_;
+        const std::vector<double> more = gaps_from(end, inward);
+        std::vector<double> own(more.begin(), more.begin() + std::min<std::ptrdiff_t>(4, std::ssize(more)));
+        if (const std::optional<double> shared = shared_spacing(own)) return *shared;
+        if (more.size() > 4 && !are_even(more))
+            return std::min(spacing_round_a_place(more), most_uneven * lower_median(own));
+        const std::size_t beside =
+            inward > 0 ? std::min(end, gaps_.size() - 1) : std::max<std::size_t>(end, 1) - 1;
+        const double local = gaps_.local_spacing(beside);
+        return own.empty() ? local : std::min(local, lower_median(std::move(own)));
+    }
+
+    // Beyond the outermost ends: the next slice of the set where it says something and is near, else an empty
+    // knot one spacing away.
+    SliceKnot end_knot(std::uint32_t at, int direction, double local) const {
+        const bool is_last = direction > 0 ? at + 1 == intervals_.size() : at == 0;
+        if (!is_last && !slices_.own_spacing) {
+            const SliceInterval& next = intervals_[direction > 0 ? at + 1 : at - 1];
+            const double gap =
+                direction > 0 ? next.low - intervals_[at].high : intervals_[at].low - next.high;
+            const double low = std::min(intervals_[at].high, next.high), high = low + gap;
+            if (gap <= options_.max_gap_spacings * local || has_part(evidence_.parts, low, high))
+                return {next.low, next.high, SliceKnot::no_slice};
+        }
+        const double z = direction > 0 ? intervals_[at].high + local : intervals_[at].low - local;
+        return {z, z, SliceKnot::no_slice};
+    }
+
+    void add_slice(std::uint32_t at, bool is_drawn) {
+        const SliceInterval& interval = intervals_[at];
+        made_.knots.push_back({interval.low, interval.high, is_drawn ? interval.slice : SliceKnot::no_slice});
+        if (is_drawn) {
+            part_.push_back(at);
+        } else {
+            made_.not_drawn.push_back(interval.slice);
+        }
+    }
+
+    void close_part(const SliceKnot& end) {
+        StructureKnots::Extent extent;
+        if (options_.caps == EndCaps::flat && part_.size() > 1) {
+            extent.low = intervals_[part_.front()].low;
+            extent.high = intervals_[part_.back()].high;
+        }
+        made_.flat_island |= options_.caps == EndCaps::flat && part_.size() == 1;
+        part_.clear();
+        made_.knots.push_back(end);
+        extent.until = made_.knots.back().high;
+        made_.flat.push_back(extent);
+    }
+
+    // The gap below covering slice i: an open one ends a part and begins another; a wide one is told of.
+    void pass_gap(std::size_t i) {
+        const std::size_t g = slices_.place[i - 1];
+        const double gap = gaps_[g];
+        const std::pair<double, double> ends{intervals_[slices_.known[g]].high,
+                                             intervals_[slices_.covering[i]].low};
+        if (is_open(g) && slices_.known[g] == slices_.covering[i - 1]) {
+            made_.open_gaps.push_back(ends);
+            // The two empty knots in the gap do not pass one another.
+            const double below = ends.first + std::min(spacing_at(g, -1), 0.5 * gap);
+            const double above = std::max(ends.second - std::min(spacing_at(g + 1, 1), 0.5 * gap), below);
+            close_part({below, below, SliceKnot::no_slice});
+            made_.knots.push_back({above, above, SliceKnot::no_slice});
+        } else if (gaps_.spacings(g) > hardly_wider || gaps_.spacings_if_even(g) > widest_) {
+            made_.bridged_gaps.push_back(ends);
+        } else if (gaps_.spacing_without_groups(g) < gaps_.local_spacing(g) &&
+                   gap > widest_ * gaps_.spacing_without_groups(g)) {
+            made_.gaps_by_groups.push_back(ends);
+        }
+    }
+
+    const std::vector<SliceInterval>& intervals_;
+    const FieldOptions& options_;
+    const GapEvidence& evidence_;
+    TellingSlices slices_;
+    GapClassification gaps_;
+    double spacing_;
+    double widest_;  // gap that is joined, in spacings
+    StructureKnots made_;
+    std::vector<std::uint32_t> part_;  // the drawn slices of the part at hand
+};
+
 }  // namespace
 
 StructureKnots structure_knots(const std::vector<SliceInterval>& intervals,
                                const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
                                const FieldOptions& options, const GapEvidence& evidence) {
     assert(!drawn.empty() && spacing > 0);
-    StructureKnots result;
-    const std::vector<std::uint32_t> covering = covering_of(intervals, drawn, every_slice, evidence.left_out);
-    for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) {
-        if (!std::binary_search(covering.begin(), covering.end(), i))
-            result.unknown.push_back(intervals[i].slice);
-    }
-    const bool own_spacing = covering.size() < drawn.back() - drawn.front() + 1u;
-    // A structure on slices of its own knows these alone.
-    const auto gap_between = [&](const SliceInterval& below, const SliceInterval& above) {
-        return above.low - below.high;
-    };
-    // What nobody drew parts no gap: those between the others count.
-    std::vector<std::uint32_t> known;
-    std::vector<std::size_t> place;  // in these, of each that tells, or of the next one below it
-    for (const std::uint32_t i : covering) {
-        const bool is_end = i == covering.front() || i == covering.back();
-        if (is_end || !std::binary_search(evidence.interpolated.begin(), evidence.interpolated.end(), i))
-            known.push_back(i);
-        place.push_back(known.size() - 1);
-    }
-    const bool own_gaps = own_spacing || known.size() < covering.size();
-    std::vector<double> around;
-    if (own_gaps) {
-        for (std::size_t i = 1; i < known.size(); ++i)
-            around.push_back(gap_between(intervals[known[i - 1]], intervals[known[i]]));
-    } else {
-        for (std::size_t i = 1; i < intervals.size(); ++i)
-            around.push_back(gap_between(intervals[i - 1], intervals[i]));
-    }
-    const GapClassification gaps(around, own_gaps ? 0 : covering.front(), known.size() - 1, spacing);
-    const double widest = options.max_gap_spacings * joined_more;  // that is joined, in spacings
-    // Where its own slices were left out, of usual gaps, it goes on.
-    const auto is_open = [&](std::size_t gap) {
-        const double spacings = gaps.spacings(gap);
-        const double low = intervals[known[gap]].high, high = intervals[known[gap + 1]].low;
-        return spacings > widest && spacings * widest_part(low, high, evidence.left_out) > hardly_wider &&
-               !(evidence.of_all && has_part(evidence.parts, low, high));
-    };
-    // Spacing where a part begins or ends: the one that most of its gaps there share. Where they share none,
-    // and more of them are uneven too, that of the gap that an end falls into. Else the local one, or that of
-    // the part itself where it is smaller.
-    const auto spacing_at = [&](std::size_t end, int inward) {
-        if (const auto told = spacing_of_parts(evidence.parts, intervals[known[end]], inward)) return *told;
-        if (gaps.size() == 0) return spacing;
-        std::vector<double> more;
-        for (std::size_t i = 0; more.size() < 8; ++i) {
-            const std::size_t gap = inward > 0 ? end + i : end - 1 - i;
-            if (gap >= gaps.size() || is_open(gap)) break;
-            if (gaps.counts(gap)) more.push_back(gaps[gap]);
-        }
-        std::vector<double> own(more.begin(), more.begin() + std::min<std::ptrdiff_t>(4, std::ssize(more)));
-        if (const std::optional<double> shared = shared_spacing(own)) return *shared;
-        if (more.size() > 4 && !are_even(more))
-            return std::min(spacing_round_a_place(more), most_uneven * lower_median(own));
-        const std::size_t beside =
-            inward > 0 ? std::min(end, gaps.size() - 1) : std::max<std::size_t>(end, 1) - 1;
-        const double local = gaps.local_spacing(beside);
-        return own.empty() ? local : std::min(local, lower_median(std::move(own)));
-    };
-
-    // Beyond the outermost ends: the next slice of the set where it says something and is near, else an empty
-    // knot one spacing away.
-    const auto end_knot = [&](std::uint32_t at, int direction, double local) {
-        const bool is_last = direction > 0 ? at + 1 == intervals.size() : at == 0;
-        if (!is_last && !own_spacing) {
-            const SliceInterval& next = intervals[direction > 0 ? at + 1 : at - 1];
-            const double gap = direction > 0 ? next.low - intervals[at].high : intervals[at].low - next.high;
-            const double low = std::min(intervals[at].high, next.high), high = low + gap;
-            if (gap <= options.max_gap_spacings * local || has_part(evidence.parts, low, high))
-                return SliceKnot{next.low, next.high, SliceKnot::no_slice};
-        }
-        const double z = direction > 0 ? intervals[at].high + local : intervals[at].low - local;
-        return SliceKnot{z, z, SliceKnot::no_slice};
-    };
-
-    std::vector<std::uint32_t> part;  // the drawn slices of the part at hand
-    const auto close_part = [&](const SliceKnot& end) {
-        StructureKnots::Extent extent;
-        if (options.caps == EndCaps::flat && part.size() > 1) {
-            extent.low = intervals[part.front()].low;
-            extent.high = intervals[part.back()].high;
-        }
-        result.flat_island |= options.caps == EndCaps::flat && part.size() == 1;
-        part.clear();
-        result.knots.push_back(end);
-        extent.until = result.knots.back().high;
-        result.flat.push_back(extent);
-    };
-    std::size_t next_drawn = 0;
-    for (std::size_t i = 0; i < covering.size(); ++i) {
-        const SliceInterval& interval = intervals[covering[i]];
-        const bool is_drawn = next_drawn < drawn.size() && drawn[next_drawn] == covering[i];
-        if (i > 0 && place[i] != place[i - 1]) {
-            const std::size_t g = place[i - 1];
-            const double gap = gaps[g];
-            const std::pair<double, double> ends{intervals[known[g]].high, interval.low};
-            if (is_open(g) && known[g] == covering[i - 1]) {
-                result.open_gaps.push_back(ends);
-                // The two empty knots in the gap do not pass one another.
-                const double below = ends.first + std::min(spacing_at(g, -1), 0.5 * gap);
-                const double above = std::max(ends.second - std::min(spacing_at(g + 1, 1), 0.5 * gap), below);
-                close_part({below, below, SliceKnot::no_slice});
-                result.knots.push_back({above, above, SliceKnot::no_slice});
-            } else if (gaps.spacings(g) > hardly_wider || gaps.spacings_if_even(g) > widest) {
-                result.bridged_gaps.push_back(ends);
-            } else if (gaps.spacing_without_groups(g) < gaps.local_spacing(g) &&
-                       gap > widest * gaps.spacing_without_groups(g)) {
-                result.gaps_by_groups.push_back(ends);
-            }
-        }
-        if (i == 0) result.knots.push_back(end_knot(covering[0], -1, spacing_at(0, 1)));
-        result.knots.push_back(
-            {interval.low, interval.high, is_drawn ? interval.slice : SliceKnot::no_slice});
-        if (is_drawn) {
-            part.push_back(covering[i]);
-            ++next_drawn;
-        } else {
-            result.not_drawn.push_back(interval.slice);
-        }
-    }
-    close_part(end_knot(covering.back(), 1, spacing_at(known.size() - 1, -1)));
-    result.flat.back().until = std::numeric_limits<double>::infinity();
-    return result;
+    TellingSlices slices = telling_slices(intervals, drawn, every_slice, evidence);
+    return KnotMaker(intervals, std::move(slices), spacing, options, evidence).make(drawn);
 }
 
 std::vector<StructurePart> parts_of(const StructureKnots& knots) {
