@@ -17,7 +17,7 @@ contour/model contour/overlay contour/planes contour/simplify contour/walls cont
 slices/arrangement slices/lines slices/coverage
 reconcile/move reconcile/regularize reconcile/resolve reconcile/compare reconcile
 mesh/model mesh/edit mesh/check mesh/shape mesh/stars
-field/model field/slice field/warnings field/stack field/planes field/overlaps field
+field/model field/slice field/warnings field/motion field/stack field/planes field/overlaps field
 overlaps
 sample delaunay cull cut measure
 improve/core improve/operations improve/climb improve/sections improve/surgery improve/reroute improve/smooth improve

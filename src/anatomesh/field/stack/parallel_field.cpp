@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <charconv>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -12,12 +11,14 @@
 #include "anatomesh/contour/model/slice_groups.h"
 #include "anatomesh/field/model/field_queries.h"
 #include "anatomesh/field/model/volume.h"
+#include "anatomesh/field/motion/slice_motion.h"
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/slice_regions.h"
 #include "anatomesh/field/stack/caps.h"
+#include "anatomesh/field/stack/inside_share.h"
 #include "anatomesh/field/stack/paraboloid_caps.h"
 #include "anatomesh/field/stack/slice_knots.h"
-#include "anatomesh/field/stack/slice_motion.h"
+#include "anatomesh/field/stack/stack_warnings.h"
 #include "anatomesh/field/stack/structure_stack.h"
 #include "anatomesh/field/stack/terminating_components.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
@@ -26,21 +27,6 @@
 namespace anatomesh {
 
 namespace {
-
-std::string text(double value) {
-    std::array<char, 32> buffer;
-    const auto end =
-        std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, 2);
-    return {buffer.data(), end.ptr};
-}
-
-std::string structure_text(const Structure& structure) {
-    return structure.name.empty() ? std::to_string(structure.number) : structure.name;
-}
-
-std::string slice_text(const ContourSet& set, std::uint32_t slice) {
-    return set.slices[slice].name.empty() ? "slice " + std::to_string(slice) : set.slices[slice].name;
-}
 
 // A column through a larger correction is integrated in twice as many parts, because its boundary bends
 // within a gap. [gaps; > 0; B]
@@ -117,8 +103,6 @@ class ParallelField final : public FieldQueries<ParallelField> {
     Status build_maps(const ContourSet& set, RunContext& context);
     Status find_motions(const ContourSet& set, RunContext& context);
     void add_terminations_to_union(std::size_t pair);
-    void warn_about_jumps(const ContourSet& set, RunContext& context) const;
-    void warn_about_ambiguities(const ContourSet& set, RunContext& context) const;
     void build_structure_stacks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
                                 const FieldOptions& options, RunContext& context);
     void build_near_table();
@@ -170,58 +154,6 @@ Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
     });
     if (context.cancelled()) return cancelled_error();
     return Nothing{};
-}
-
-void warn_about_knots(const ContourSet& set, std::uint32_t structure, const StructureKnots& knots,
-                      RunContext& context) {
-    const std::string name = structure_text(set.structures[structure]);
-    const auto warn_gap = [&](const std::pair<double, double>& gap, const char* code, const char* message,
-                              const char* done) {
-        context.warn(
-            {code,
-             message,
-             {set.source, "", name, "", text(gap.first) + " to " + text(gap.second) + " mm along the normal"},
-             done});
-    };
-    for (const auto& gap : knots.open_gaps) {
-        warn_gap(gap, "W-FLD-001", "slices are missing inside the structure",
-                 "the structure ends on both sides of the gap; --max-gap joins them");
-    }
-    for (const auto& gap : knots.bridged_gaps) {
-        warn_gap(gap, "W-FLD-002", "slices are missing inside the structure",
-                 "the structure was continued through the gap, where its shape is a guess");
-    }
-    if (!knots.gaps_by_groups.empty()) {
-        const auto& first = knots.gaps_by_groups.front();
-        context.warn(
-            {"W-FLD-009",
-             "the slices of the structure come in pairs or groups, with wide gaps between the groups",
-             {set.source, "", name, "",
-              std::to_string(knots.gaps_by_groups.size()) + " gaps, the first from " + text(first.first) +
-                  " to " + text(first.second) + " mm along the normal"},
-             "the structure was continued through the gaps; draw separate parts as separate structures"});
-    }
-    if (set.drawn && !knots.not_drawn.empty()) {
-        context.warn({"W-FLD-003",
-                      "the structure is not drawn on every slice between its first and its last one",
-                      {set.source, set.slices[knots.not_drawn.front()].name, name, "",
-                       std::to_string(knots.not_drawn.size()) + " slices without it"},
-                      "these slices were read as empty; leave out undrawn slices with --without"});
-    }
-    if (set.drawn && !knots.unknown.empty()) {
-        context.warn(
-            {"W-FLD-012",
-             "slices between those of the structure draw other structures, but not this one",
-             {set.source, set.slices[knots.unknown.front()].name, name, "",
-              std::to_string(knots.unknown.size()) + " slices without it"},
-             "the structure was continued through them; if it ends there, draw it as two structures"});
-    }
-    if (knots.flat_island) {
-        context.warn({"W-FLD-004",
-                      "a part is drawn on a single slice, so that it cannot end flat there",
-                      {set.source, "", name, "", ""},
-                      "it extends half a slice to both sides"});
-    }
 }
 
 void ParallelField::build_structure_stacks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
@@ -300,68 +232,9 @@ Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
         }
     });
     if (context.cancelled()) return cancelled_error();
-    warn_about_jumps(set, context);
-    warn_about_ambiguities(set, context);
+    warn_about_jumps(set, structure_stacks_, slice_of_map_, context);
+    warn_about_ambiguities(set, structure_stacks_, slice_of_map_, frame_, context);
     return Nothing{};
-}
-
-// Neighbouring slices on which a structure has no point in common, as seen along the normal: what is between
-// them is a guess.
-void ParallelField::warn_about_jumps(const ContourSet& set, RunContext& context) const {
-    const auto slice_at = [&](std::int32_t map) {
-        return slice_text(set, slice_of_map_[static_cast<std::size_t>(map)]);
-    };
-    for (std::size_t s = 0; s < structure_stacks_.size(); ++s) {
-        std::size_t jumps = 0;
-        std::string first;
-        for (std::size_t i = 0; i < structure_stacks_[s].pair_count(); ++i) {
-            const StructureStack::Pair pair = structure_stacks_[s].pair(i);
-            if (pair.motion->overlaps()) continue;
-            if (jumps++ == 0) first = slice_at(pair.below) + " and " + slice_at(pair.above);
-        }
-        if (jumps == 0) continue;
-        const std::string count =
-            jumps == 1 ? "1 pair of slices" : std::to_string(jumps) + " pairs of slices";
-        context.warn(
-            {"W-FLD-005",
-             "the contours of neighbouring slices do not overlap when seen along the normal",
-             {set.source, first, structure_text(set.structures[s]), "", count},
-             "they were joined where the outlines are close and face the same way; check the model there"});
-    }
-}
-
-// Outlines that overlap several of the next slice each, while there are more of them or fewer: nothing drawn
-// tells which becomes which. One warning per structure, with the worst of it.
-void ParallelField::warn_about_ambiguities(const ContourSet& set, RunContext& context) const {
-    for (std::size_t s = 0; s < structure_stacks_.size(); ++s) {
-        std::size_t places = 0;
-        Ambiguity worst;
-        StructureStack::Pair worst_pair{};
-        for (std::size_t i = 0; i < structure_stacks_[s].pair_count(); ++i) {
-            const StructureStack::Pair pair = structure_stacks_[s].pair(i);
-            for (const Ambiguity& ambiguity : pair.motion->ambiguities()) {
-                if (places++ > 0 && ambiguity.below + ambiguity.above <= worst.below + worst.above) continue;
-                worst = ambiguity;
-                worst_pair = pair;
-            }
-        }
-        if (places == 0) continue;
-        const auto name = [&](std::int32_t map) {
-            return slice_text(set, slice_of_map_[static_cast<std::size_t>(map)]);
-        };
-        const Vec3 at =
-            frame_.to_space(worst.at) + 0.5 * (worst_pair.below_high + worst_pair.above_low) * frame_.normal;
-        std::string value = std::to_string(worst.below) + " outlines and " + std::to_string(worst.above) +
-                            " near " + text(at.x) + " " + text(at.y) + " " + text(at.z) + " mm";
-        if (places > 1) value += ", the worst of " + std::to_string(places) + " places";
-        context.warn(
-            {"W-FLD-010",
-             "neighbouring slices have different numbers of contours that overlap each other, so that their "
-             "connection is ambiguous",
-             {set.source, name(worst_pair.below) + " and " + name(worst_pair.above),
-              structure_text(set.structures[s]), "", value},
-             "they were joined by their overlaps; check the model there, or draw a slice between the two"});
-    }
 }
 
 // Buckets as fine as the knots lie; a structure is entered with the box of those maps that have a say there.
@@ -440,45 +313,6 @@ bool ParallelField::is_alone(std::uint32_t structure, const StructureStack::Pair
     return std::none_of(
         near_.begin() + bucket_begin_[from], near_.begin() + bucket_begin_[to + 1],
         [&](const NearEntry& entry) { return entry.structure != structure && entry.box.contains(q); });
-}
-
-// The share of a strip inside whose middle has a signed distance: what a point of a lattice stands for is cut
-// by a boundary nearer than half the strip's width, which spoils the sum less than points wholly in or out.
-struct Strip {
-    double width;  // 0: a point
-
-    double inside(double distance) const {
-        if (width > 0) return std::clamp(0.5 - distance / width, 0.0, 1.0);
-        return distance < 0;
-    }
-    // The mean of inside() over all distances from `a` to `b`.
-    double mean_inside(double a, double b) const {
-        return std::abs(b - a) <= 1e-9 * (std::abs(a) + std::abs(b)) ? inside(a)
-                                                                     : (integral(b) - integral(a)) / (b - a);
-    }
-
-  private:
-    double integral(double distance) const {
-        const double half = 0.5 * width;
-        if (distance <= -half) return distance;
-        return distance >= half ? 0
-                                : 0.5 * (distance - half) - 0.5 * (distance * distance - half * half) / width;
-    }
-};
-
-// The same over the lower and the upper half of a way along which the distances are these at equal steps, an
-// even number; between them a cubic has them (Catmull and Rom, 1974).
-std::array<double, 2> inside_halves(const Strip& strip, std::span<const double> distances) {
-    const std::size_t parts = distances.size() - 1;
-    std::array<double, 2> halves{};
-    for (std::size_t k = 0; k < parts; ++k) {
-        const double from = distances[k], to = distances[k + 1];
-        const double before = k > 0 ? distances[k - 1] : 2 * from - to,
-                     beyond = k + 1 < parts ? distances[k + 2] : 2 * to - from;
-        const double middle = 0.0625 * (9 * (from + to) - before - beyond);
-        halves[2 * k / parts] += strip.mean_inside(from, middle) + strip.mean_inside(middle, to);
-    }
-    return {halves[0] / static_cast<double>(parts), halves[1] / static_cast<double>(parts)};
 }
 
 // The share of the column over q between two knots that is inside, less what slice integration gives it: a

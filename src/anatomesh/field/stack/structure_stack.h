@@ -10,11 +10,11 @@
 #include <optional>
 #include <vector>
 
+#include "anatomesh/field/motion/slice_motion.h"
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/stack/caps.h"
 #include "anatomesh/field/stack/paraboloid_caps.h"
 #include "anatomesh/field/stack/slice_knots.h"
-#include "anatomesh/field/stack/slice_motion.h"
 #include "anatomesh/field/stack/terminating_components.h"
 
 namespace anatomesh {

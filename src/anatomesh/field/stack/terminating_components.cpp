@@ -7,7 +7,7 @@
 #include <span>
 #include <tuple>
 
-#include "anatomesh/field/stack/boundary_pieces.h"
+#include "anatomesh/field/motion/boundary_pieces.h"
 
 namespace anatomesh {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/field/stack/boundary_pieces.h"
+#include "anatomesh/field/motion/boundary_pieces.h"
 
 namespace anatomesh {
 

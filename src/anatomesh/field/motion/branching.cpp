@@ -1,9 +1,9 @@
-#include "anatomesh/field/stack/branching.h"
+#include "anatomesh/field/motion/branching.h"
 
 #include <algorithm>
 
 #include "anatomesh/base/disjoint_sets.h"
-#include "anatomesh/field/stack/outlines.h"
+#include "anatomesh/field/motion/outlines.h"
 
 namespace anatomesh {
 

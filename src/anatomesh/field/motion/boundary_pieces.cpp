@@ -1,4 +1,4 @@
-#include "anatomesh/field/stack/boundary_pieces.h"
+#include "anatomesh/field/motion/boundary_pieces.h"
 
 #include <tuple>
 #include <utility>

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "anatomesh/field/motion/branching.h"
 #include "anatomesh/field/slice/distance_map.h"
-#include "anatomesh/field/stack/branching.h"
 
 namespace anatomesh {
 

@@ -1,8 +1,8 @@
-#include "anatomesh/field/stack/nested_outlines.h"
+#include "anatomesh/field/motion/nested_outlines.h"
 
 #include <cmath>
 
-#include "anatomesh/field/stack/outlines.h"
+#include "anatomesh/field/motion/outlines.h"
 
 namespace anatomesh {
 

@@ -1,5 +1,5 @@
 // Laws of outlines that correspond because one lies within the other.
-#include "anatomesh/field/stack/nested_outlines.h"
+#include "anatomesh/field/motion/nested_outlines.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "anatomesh/field/stack/boundary_pieces.h"
+#include "anatomesh/field/motion/boundary_pieces.h"
 #include "anatomesh/geom/box.h"
 
 namespace anatomesh {

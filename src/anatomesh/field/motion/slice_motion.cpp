@@ -1,4 +1,4 @@
-#include "anatomesh/field/stack/slice_motion.h"
+#include "anatomesh/field/motion/slice_motion.h"
 
 #include <algorithm>
 #include <cassert>
@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "anatomesh/base/instruction_sets.h"
-#include "anatomesh/field/stack/boundary_pieces.h"
-#include "anatomesh/field/stack/nested_outlines.h"
+#include "anatomesh/field/motion/boundary_pieces.h"
+#include "anatomesh/field/motion/nested_outlines.h"
 
 namespace anatomesh {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/field/stack/boundary_pieces.h"
+#include "anatomesh/field/motion/boundary_pieces.h"
 
 namespace anatomesh {
 

@@ -1,0 +1,139 @@
+#include "anatomesh/field/stack/stack_warnings.h"
+
+#include <array>
+#include <charconv>
+#include <string>
+#include <utility>
+
+namespace anatomesh {
+
+namespace {
+
+std::string text(double value) {
+    std::array<char, 32> buffer;
+    const auto end =
+        std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, 2);
+    return {buffer.data(), end.ptr};
+}
+
+std::string structure_text(const Structure& structure) {
+    return structure.name.empty() ? std::to_string(structure.number) : structure.name;
+}
+
+std::string slice_text(const ContourSet& set, std::uint32_t slice) {
+    return set.slices[slice].name.empty() ? "slice " + std::to_string(slice) : set.slices[slice].name;
+}
+
+}  // namespace
+
+void warn_about_knots(const ContourSet& set, std::uint32_t structure, const StructureKnots& knots,
+                      RunContext& context) {
+    const std::string name = structure_text(set.structures[structure]);
+    const auto warn_gap = [&](const std::pair<double, double>& gap, const char* code, const char* message,
+                              const char* done) {
+        context.warn(
+            {code,
+             message,
+             {set.source, "", name, "", text(gap.first) + " to " + text(gap.second) + " mm along the normal"},
+             done});
+    };
+    for (const auto& gap : knots.open_gaps) {
+        warn_gap(gap, "W-FLD-001", "slices are missing inside the structure",
+                 "the structure ends on both sides of the gap; --max-gap joins them");
+    }
+    for (const auto& gap : knots.bridged_gaps) {
+        warn_gap(gap, "W-FLD-002", "slices are missing inside the structure",
+                 "the structure was continued through the gap, where its shape is a guess");
+    }
+    if (!knots.gaps_by_groups.empty()) {
+        const auto& first = knots.gaps_by_groups.front();
+        context.warn(
+            {"W-FLD-009",
+             "the slices of the structure come in pairs or groups, with wide gaps between the groups",
+             {set.source, "", name, "",
+              std::to_string(knots.gaps_by_groups.size()) + " gaps, the first from " + text(first.first) +
+                  " to " + text(first.second) + " mm along the normal"},
+             "the structure was continued through the gaps; draw separate parts as separate structures"});
+    }
+    if (set.drawn && !knots.not_drawn.empty()) {
+        context.warn({"W-FLD-003",
+                      "the structure is not drawn on every slice between its first and its last one",
+                      {set.source, set.slices[knots.not_drawn.front()].name, name, "",
+                       std::to_string(knots.not_drawn.size()) + " slices without it"},
+                      "these slices were read as empty; leave out undrawn slices with --without"});
+    }
+    if (set.drawn && !knots.unknown.empty()) {
+        context.warn(
+            {"W-FLD-012",
+             "slices between those of the structure draw other structures, but not this one",
+             {set.source, set.slices[knots.unknown.front()].name, name, "",
+              std::to_string(knots.unknown.size()) + " slices without it"},
+             "the structure was continued through them; if it ends there, draw it as two structures"});
+    }
+    if (knots.flat_island) {
+        context.warn({"W-FLD-004",
+                      "a part is drawn on a single slice, so that it cannot end flat there",
+                      {set.source, "", name, "", ""},
+                      "it extends half a slice to both sides"});
+    }
+}
+
+void warn_about_jumps(const ContourSet& set, std::span<const StructureStack> stacks,
+                      std::span<const std::uint32_t> slice_of_map, RunContext& context) {
+    const auto slice_at = [&](std::int32_t map) {
+        return slice_text(set, slice_of_map[static_cast<std::size_t>(map)]);
+    };
+    for (std::size_t s = 0; s < stacks.size(); ++s) {
+        std::size_t jumps = 0;
+        std::string first;
+        for (std::size_t i = 0; i < stacks[s].pair_count(); ++i) {
+            const StructureStack::Pair pair = stacks[s].pair(i);
+            if (pair.motion->overlaps()) continue;
+            if (jumps++ == 0) first = slice_at(pair.below) + " and " + slice_at(pair.above);
+        }
+        if (jumps == 0) continue;
+        const std::string count =
+            jumps == 1 ? "1 pair of slices" : std::to_string(jumps) + " pairs of slices";
+        context.warn(
+            {"W-FLD-005",
+             "the contours of neighbouring slices do not overlap when seen along the normal",
+             {set.source, first, structure_text(set.structures[s]), "", count},
+             "they were joined where the outlines are close and face the same way; check the model there"});
+    }
+}
+
+void warn_about_ambiguities(const ContourSet& set, std::span<const StructureStack> stacks,
+                            std::span<const std::uint32_t> slice_of_map, const Plane& frame,
+                            RunContext& context) {
+    for (std::size_t s = 0; s < stacks.size(); ++s) {
+        std::size_t places = 0;
+        Ambiguity worst;
+        StructureStack::Pair worst_pair{};
+        for (std::size_t i = 0; i < stacks[s].pair_count(); ++i) {
+            const StructureStack::Pair pair = stacks[s].pair(i);
+            for (const Ambiguity& ambiguity : pair.motion->ambiguities()) {
+                if (places++ > 0 && ambiguity.below + ambiguity.above <= worst.below + worst.above) continue;
+                worst = ambiguity;
+                worst_pair = pair;
+            }
+        }
+        if (places == 0) continue;
+        const auto name = [&](std::int32_t map) {
+            return slice_text(set, slice_of_map[static_cast<std::size_t>(map)]);
+        };
+        const Vec3 at =
+            frame.to_space(worst.at) + 0.5 * (worst_pair.below_high + worst_pair.above_low) * frame.normal;
+        std::string value = std::to_string(worst.below) + " outlines and " + std::to_string(worst.above) +
+                            " near " + text(at.x) + " " + text(at.y) + " " + text(at.z) + " mm";
+        if (places > 1) value += ", the worst of " + std::to_string(places) + " places";
+        context.warn(
+            {"W-FLD-010",
+             "neighbouring slices have different numbers of contours that overlap each other, so that their "
+             "connection is ambiguous",
+             {set.source, name(worst_pair.below) + " and " + name(worst_pair.above),
+              structure_text(set.structures[s]), "", value},
+             "they were joined by their overlaps; check the model there, or draw a slice between the two"});
+    }
+}
+
+}  // namespace anatomesh
