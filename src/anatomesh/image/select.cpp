@@ -15,15 +15,6 @@ std::vector<std::uint64_t> count_voxels(const LabelMap& labels) {
     return counts;
 }
 
-std::vector<std::uint32_t> empty_structures(const LabelMap& labels) {
-    const std::vector<std::uint64_t> counts = count_voxels(labels);
-    std::vector<std::uint32_t> empty;
-    for (std::uint32_t s = 0; s < counts.size(); ++s) {
-        if (counts[s] == 0) empty.push_back(s);
-    }
-    return empty;
-}
-
 void select_structures(LabelMap& labels, std::span<const std::uint32_t> keep) {
     std::vector<std::uint8_t> wanted(labels.structures.size(), 0);
     for (const std::uint32_t index : keep) {

@@ -12,9 +12,6 @@ namespace anatomesh {
 // Returns the number of voxels of each structure, parallel to LabelMap::structures. O(voxels).
 std::vector<std::uint64_t> count_voxels(const LabelMap& labels);
 
-// Returns the structures without a voxel, as ascending indices. O(voxels).
-std::vector<std::uint32_t> empty_structures(const LabelMap& labels);
-
 // Keeps the structures with these indices, in the order they have in the label map; the voxels of all others
 // become 0. An index may come more than once.
 // Requires: every index < structures.size(); every label is at most structures.size(). Complexity: linear.

@@ -31,14 +31,4 @@ std::uint64_t BitVolume::count() const {
     return total;
 }
 
-std::uint64_t BitVolume::count_slice(std::uint32_t k) const {
-    assert(k < slices_);
-    const std::size_t begin = static_cast<std::size_t>(k) * grid_.ny * words_per_row_;
-    std::uint64_t total = 0;
-    for (std::size_t w = begin; w < begin + static_cast<std::size_t>(grid_.ny) * words_per_row_; ++w) {
-        total += static_cast<std::uint64_t>(std::popcount(words_[w]));
-    }
-    return total;
-}
-
 }  // namespace anatomesh

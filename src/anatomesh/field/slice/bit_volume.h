@@ -26,7 +26,6 @@ class BitVolume {
         return (words_[word(i, j, k)] >> (i & 63u)) & 1u;
     }
     std::uint64_t count() const;  // voxels inside
-    std::uint64_t count_slice(std::uint32_t k) const;
     const PixelGrid& grid() const { return grid_; }
     std::uint32_t slices() const { return slices_; }
     std::size_t bytes() const { return words_.size() * sizeof(std::uint64_t); }

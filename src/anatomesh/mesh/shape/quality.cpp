@@ -1,6 +1,7 @@
 #include "anatomesh/mesh/shape/quality.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -65,15 +66,6 @@ ANATOMESH_CLONES double radius_edge_ratio(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
                                        squared_length(c - b), squared_length(d - b), squared_length(d - c)});
     if (sphere.volume6 == 0.0 || shortest2 == 0.0) return std::numeric_limits<double>::infinity();
     return length(sphere.offset) / (2.0 * std::abs(sphere.volume6) * std::sqrt(shortest2));
-}
-
-std::array<double, 6> dihedral_angles(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
-    const ScaledAngles scaled = scaled_angles(a, b, c, d);
-    std::array<double, 6> angles;
-    for (std::size_t e = 0; e < 6; ++e) {
-        angles[e] = degrees_per_radian * std::atan2(scaled.sine[e], scaled.cosine[e]);
-    }
-    return angles;
 }
 
 DihedralRange dihedral_range(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {

@@ -1,8 +1,6 @@
 // Shape measures of tetrahedra. Lengths in mm, angles in degrees.
 #pragma once
 
-#include <array>
-
 #include "anatomesh/geom/vec.h"
 
 namespace anatomesh {
@@ -10,11 +8,8 @@ namespace anatomesh {
 // Circumradius / shortest edge; 0.612 for the regular one, infinity for a flat one.
 double radius_edge_ratio(Vec3 a, Vec3 b, Vec3 c, Vec3 d);
 
-// The six dihedral angles at the edges cell_edges (in that order). Of the shape alone: orientation does not
-// matter; a flat cell has angles 0 and 180.
-std::array<double, 6> dihedral_angles(Vec3 a, Vec3 b, Vec3 c, Vec3 d);
-
-// The smallest and the largest of dihedral_angles(), at a third of the price.
+// The smallest and the largest of the six dihedral angles. Of the shape alone: orientation does not matter; a
+// flat cell has angles 0 and 180.
 struct DihedralRange {
     double smallest = 0, largest = 0;
 };
