@@ -4,7 +4,6 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <string_view>
 #include <utility>
 
 #include "anatomesh/base/contract.h"
@@ -79,14 +78,11 @@ class MeshImprovement {
     }
 
     void run() {
-        for (const Step& step : steps) (this->*step.run)();
+        for (const Step& step : steps) (this->*step)();
     }
 
   private:
-    struct Step {
-        std::string_view name;
-        void (MeshImprovement::*run)();
-    };
+    using Step = void (MeshImprovement::*)();
     static const std::array<Step, 25> steps;
 
     // Subsegments beside the surface stay edges, so that those which cannot be recovered at first may be when
@@ -338,33 +334,33 @@ class MeshImprovement {
     ImprovementState state_;
 };
 
-const std::array<MeshImprovement::Step, 25> MeshImprovement::steps{{
-    {"keep subsegments", &MeshImprovement::keep_subsegments},
-    {"remove spikes of one cell", &MeshImprovement::remove_small_spikes},
-    {"remove spikes", &MeshImprovement::remove_far_spikes},
-    {"recover subsegments on the surface", &MeshImprovement::recover_subsegments_first},
-    {"find bad cells", &MeshImprovement::find_bad_cells},
-    {"raise angles", &MeshImprovement::raise_angles},
-    {"flip surface edges", &MeshImprovement::flip_edges},
-    {"raise angles with more room", &MeshImprovement::raise_angles_with_more_room},
-    {"remove spikes of one cell again", &MeshImprovement::remove_small_spikes},
-    {"detach facets from planes", &MeshImprovement::detach_facets},
-    {"repair sections", &MeshImprovement::repair_sections},
-    {"raise last angles", &MeshImprovement::raise_last_angles},
-    {"raise listed angles", &MeshImprovement::raise_listed_angles},
-    {"lower high ratios", &MeshImprovement::lower_high_ratios},
-    {"lower ratios", &MeshImprovement::lower_ratios},
-    {"repair blemishes", &MeshImprovement::repair_blemishes},
-    {"repair sections again", &MeshImprovement::repair_sections_again},
-    {"find the least angle", &MeshImprovement::find_least_angle},
-    {"recover subsegments again", &MeshImprovement::recover_subsegments_last},
-    {"remove spurious handles", &MeshImprovement::remove_small_handles},
-    {"repair the worst sections", &MeshImprovement::repair_worst_sections},
-    {"repair section patches", &MeshImprovement::repair_patches},
-    {"re-route contours", &MeshImprovement::reroute_contours},
-    {"repair flat cells", &MeshImprovement::repair_flat_cells},
-    {"count bad cells", &MeshImprovement::count_bad_cells},
-}};
+const std::array<MeshImprovement::Step, 25> MeshImprovement::steps{
+    &MeshImprovement::keep_subsegments,
+    &MeshImprovement::remove_small_spikes,
+    &MeshImprovement::remove_far_spikes,
+    &MeshImprovement::recover_subsegments_first,
+    &MeshImprovement::find_bad_cells,
+    &MeshImprovement::raise_angles,
+    &MeshImprovement::flip_edges,
+    &MeshImprovement::raise_angles_with_more_room,
+    &MeshImprovement::remove_small_spikes,
+    &MeshImprovement::detach_facets,
+    &MeshImprovement::repair_sections,
+    &MeshImprovement::raise_last_angles,
+    &MeshImprovement::raise_listed_angles,
+    &MeshImprovement::lower_high_ratios,
+    &MeshImprovement::lower_ratios,
+    &MeshImprovement::repair_blemishes,
+    &MeshImprovement::repair_sections_again,
+    &MeshImprovement::find_least_angle,
+    &MeshImprovement::recover_subsegments_last,
+    &MeshImprovement::remove_small_handles,
+    &MeshImprovement::repair_worst_sections,
+    &MeshImprovement::repair_patches,
+    &MeshImprovement::reroute_contours,
+    &MeshImprovement::repair_flat_cells,
+    &MeshImprovement::count_bad_cells,
+};
 
 }  // namespace
 

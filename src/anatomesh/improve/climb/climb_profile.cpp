@@ -54,66 +54,58 @@ AcceptanceRule strictly(AcceptanceRule rule, double least_sine, double max_ratio
     return rule;
 }
 
-ClimbProfile listed_angles(std::string_view name, const MeshImprovementOptions& options, int step) {
-    return {.name = name,
-            .target_sine = listed_sine(),
+// An angle that would be listed is worth a ratio above the bound, but no larger a ratio than it takes.
+ClimbProfile listed_angles(const MeshImprovementOptions& options, int step) {
+    return {.target_sine = listed_sine(),
             .rule = late_rule_of(ratio_of_step(options, step), listed_sine()),
             .operations = thorough_operations,
-            .lists_changes = true,
-            .reason =
-                "An angle that would be listed is worth a ratio above the bound, but no larger a ratio than "
-                "it takes."};
+            .lists_changes = true};
 }
 
 std::array<ClimbProfile, 3> surgery_rows(const MeshImprovementOptions& options) {
     const double bound = options.max_radius_edge, last = options.last_radius_edge, listed = listed_sine();
     return {{
-        {.name = "angles of a surgery",
-         .target_sine = target_sine(options),
+        // Angles of a surgery. The surgery leaves thin cells. What contours force to be ill-shaped is not
+        // worked on for its sake alone.
+        {.target_sine = target_sine(options),
          .exempt = Exempt::limited_in_bounds,
          .rule = late_rule_of(bound, 0),
          .operations = thorough_operations,
          .most_changed = most_for_surgery,
-         .lists_changes = true,
-         .reason =
-             "The surgery leaves thin cells. What contours force to be ill-shaped is not worked on for its "
-             "sake alone."},
-        {.name = "listed angles of a surgery",
-         .target_sine = listed,
+         .lists_changes = true},
+        // Listed angles of a surgery. Angles that would undo the surgery are worth ratios up to the last
+        // bound.
+        {.target_sine = listed,
          .exempt = Exempt::limited_in_bounds,
          .rule = late_rule_of(last, listed),
          .operations = thorough_operations,
          .most_changed = most_for_surgery,
-         .lists_changes = true,
-         .reason = "Angles that would undo the surgery are worth ratios up to the last bound."},
-        {.name = "ratios of a surgery",
-         .target_ratio = bound,
+         .lists_changes = true},
+        // Ratios of a surgery. Ratios that were given for angles are taken back where no angle becomes
+        // listed.
+        {.target_ratio = bound,
          .exempt = Exempt::limited,
          .rule = late_rule_of(bound, listed),
          .operations = thorough_operations,
          .revisit = Revisit::all,
-         .most_changed = most_for_surgery,
-         .reason = "Ratios that were given for angles are taken back where no angle becomes listed."},
+         .most_changed = most_for_surgery},
     }};
 }
 
 std::array<ClimbProfile, 5> angle_rows(const MeshImprovementOptions& options) {
     const double target = target_sine(options), bound = options.max_radius_edge;
     return {{
-        {.name = "angles",
-         .target_sine = target,
-         .rule = rule_of(bound, 0),
-         .reason = "This pass helps nearly all cells, at the lowest price."},
-        {.name = "last angles",
-         .target_sine = target,
+        // Angles. This pass helps nearly all cells, at the lowest price.
+        {.target_sine = target, .rule = rule_of(bound, 0)},
+        // Last angles. The few cells that nothing else helps are worth vertices on interfaces and moved
+        // junctions.
+        {.target_sine = target,
          .rule = late_rule_of(bound, 0),
          .operations = thorough_operations,
-         .lists_changes = true,
-         .reason =
-             "The few cells that nothing else helps are worth vertices on interfaces and moved junctions."},
-        listed_angles("listed angles, first step", options, 1),
-        listed_angles("listed angles, second step", options, 2),
-        listed_angles("listed angles, last step", options, ratio_steps),
+         .lists_changes = true},
+        listed_angles(options, 1),
+        listed_angles(options, 2),
+        listed_angles(options, ratio_steps),
     }};
 }
 
@@ -124,39 +116,33 @@ std::array<ClimbProfile, 4> ratio_and_last_rows(const MeshImprovementOptions& op
     const double relabels_above = options.relabels_for_ratio ? 0 : last;
     const double relabels_flat_above = options.relabels_for_ratio ? 0 : HUGE_VAL;
     return {{
-        {.name = "high ratios",
-         .target_ratio = last,
+        // High ratios. The few cells above the last bound are worth angles down to those listed.
+        {.target_ratio = last,
          .rule = late_rule_of(last, listed),
          .operations = thorough_operations,
          .relabels_above = relabels_above,
-         .revisit = Revisit::bad,
-         .reason = "The few cells above the last bound are worth angles down to those listed."},
-        {.name = "ratios",
-         .target_ratio = bound,
+         .revisit = Revisit::bad},
+        // Ratios. Cells that contours force must not come of it elsewhere, so the bounds are strict.
+        {.target_ratio = bound,
          .rule = strictly(late_rule_of(bound, std::max(target_sine(options), listed)), listed, last),
          .operations = thorough_operations,
          .relabels_above = relabels_above,
-         .revisit = Revisit::bad,
-         .reason = "Cells that contours force must not come of it elsewhere, so the bounds are strict."},
-        {.name = "blemishes",
-         .target_sine = listed,
+         .revisit = Revisit::bad},
+        // Blemishes. Clause 4 allows an ill-shaped cell where contours force it: forced cells beside one
+        // that is not forced pay for it within their bounds.
+        {.target_sine = listed,
          .target_ratio = last,
          .exempt = Exempt::limited,
          .rule = sparing(late_rule_of(last, listed)),
          .operations = thorough_operations,
          .condition = Condition::limited_in_bounds,
-         .revisit = Revisit::bad,
-         .reason = "Clause 4 allows an ill-shaped cell where contours force it: forced cells beside one that "
-                   "is not "
-                   "forced pay for it within their bounds."},
-        {.name = "flat cells",
-         .target_sine = flat_sine,
+         .revisit = Revisit::bad},
+        // Flat cells. Two segments that are split alike make flat cells between them; others there are as
+        // good as forced cells must be.
+        {.target_sine = flat_sine,
          .rule = late_rule_of(most_limited_ratio, 0),
          .relabels_above = relabels_flat_above,
-         .condition = Condition::all_good,
-         .reason =
-             "Two segments that are split alike make flat cells between them; others there are as good as "
-             "forced cells must be."},
+         .condition = Condition::all_good},
     }};
 }
 

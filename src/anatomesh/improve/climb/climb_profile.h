@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 
 #include "anatomesh/improve/climb/cell_operations.h"
 #include "anatomesh/improve/core/acceptance_rule.h"
@@ -34,7 +33,6 @@ enum class Revisit : std::uint8_t { none, bad, all };
 // The objective of a change follows from the cell: of one above `target_ratio` it is the ratio, else the
 // sine.
 struct ClimbProfile {
-    std::string_view name;
     double target_sine = 0;          // cells inside with a smaller least sine are worked on. 0 to 1
     double target_ratio = HUGE_VAL;  // and those with a larger radius-edge ratio. >= 0
     Exempt exempt = Exempt::none;    // but not these
@@ -46,7 +44,6 @@ struct ClimbProfile {
     // A pass ends when it has changed more cells than this.
     std::size_t most_changed = static_cast<std::size_t>(-1);
     bool lists_changes = false;  // a pass over the queue says which cells it made or reshaped
-    std::string_view reason;     // why the pass is made, and why it is so
 };
 
 // The passes, in the order in which improve_mesh() makes them first.
@@ -65,7 +62,7 @@ enum class ClimbPass : std::uint8_t {
     flat_cells
 };
 
-// The table of all passes.
+// The table of all passes; climb_profile.cpp says why each is made, and why it is so.
 class ClimbProfiles {
   public:
     explicit ClimbProfiles(const MeshImprovementOptions& options);

@@ -30,14 +30,9 @@ TEST(CellOperations, sets_gain_and_lose_kinds) {
     EXPECT_EQ(set.with(CellOperation::relabel), set);
 }
 
-TEST(ClimbProfiles, every_row_has_a_name_of_its_own_a_reason_and_cells_to_work_on) {
-    std::set<std::string_view> names;
-    for (const ClimbProfile& row : ClimbProfiles(MeshImprovementOptions{}).rows()) {
-        SCOPED_TRACE(row.name);
-        EXPECT_TRUE(names.insert(row.name).second);
-        EXPECT_FALSE(row.reason.empty());
+TEST(ClimbProfiles, every_row_has_cells_to_work_on) {
+    for (const ClimbProfile& row : ClimbProfiles(MeshImprovementOptions{}).rows())
         EXPECT_TRUE(row.target_sine > 0 || row.target_ratio < HUGE_VAL);
-    }
 }
 
 TEST(ClimbProfiles, bounds_follow_the_options) {
@@ -66,7 +61,7 @@ TEST(ClimbProfiles, no_row_allows_more_than_the_last_bounds) {
     const MeshImprovementOptions options;
     const ClimbProfiles profiles(options);
     for (const ClimbProfile& row : profiles.rows()) {
-        SCOPED_TRACE(row.name);
+        SCOPED_TRACE(&row - &profiles.rows().front());
         const bool is_for_flat_cells = &row == &profiles[ClimbPass::flat_cells];
         EXPECT_LE(row.rule.max_radius_edge,
                   is_for_flat_cells ? most_limited_ratio : options.last_radius_edge);
