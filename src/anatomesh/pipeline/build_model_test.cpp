@@ -309,25 +309,42 @@ TEST(BuildModel, the_caps_of_a_fan_are_planes) {
     }
 }
 
+// How the slices lie does not depend on where they lie.
 TEST(BuildModel, slices_that_cross_have_no_flat_ends) {
-    Drawing drawing, along;
-    for (int k = -2; k <= 2; ++k) {
-        drawing.add(0, 5 * k, circle({}, std::sqrt(15.0 * 15 - 25 * k * k), 60));
-        along.add(0, 5 * k, circle({}, std::sqrt(15.0 * 15 - 25 * k * k), 60));
+    for (const double far : {0.0, 1e6}) {
+        SCOPED_TRACE(far);
+        Drawing drawing, along;
+        for (int k = -2; k <= 2; ++k) {
+            drawing.add(0, 5 * k, circle({}, std::sqrt(15.0 * 15 - 25 * k * k), 60));
+            along.add(0, 5 * k, circle({}, std::sqrt(15.0 * 15 - 25 * k * k), 60));
+        }
+        along.move([](Vec3 p) { return Vec3{p.z, p.x, p.y}; });
+        for (RawContour contour : along.raw.contours) {
+            contour.first_point += static_cast<std::uint32_t>(drawing.raw.points.size());
+            drawing.raw.contours.push_back(contour);
+        }
+        drawing.raw.points.insert(drawing.raw.points.end(), along.raw.points.begin(), along.raw.points.end());
+        drawing.move([&](Vec3 p) { return p + far * Vec3{1, -1, 0.5}; });
+        RunContext context;
+        ModelOptions options;
+        options.caps = EndCaps::flat;
+        const auto made = build_model(kept(drawing.raw, false), options, context);
+        ASSERT_FALSE(made.ok());
+        EXPECT_EQ(made.error().code, "E-PIP-004");
+        EXPECT_EQ(made.error().kind, ErrorKind::usage);
     }
-    along.move([](Vec3 p) { return Vec3{p.z, p.x, p.y}; });
-    for (RawContour contour : along.raw.contours) {
-        contour.first_point += static_cast<std::uint32_t>(drawing.raw.points.size());
-        drawing.raw.contours.push_back(contour);
-    }
-    drawing.raw.points.insert(drawing.raw.points.end(), along.raw.points.begin(), along.raw.points.end());
+}
+
+TEST(BuildModel, a_stack_far_from_the_origin_has_flat_ends) {
+    Drawing drawing;
+    for (int k = 0; k < 4; ++k) drawing.add(0, 3 * k, circle({}, 10, 40));
+    drawing.move([](Vec3 p) { return p + 1e6 * Vec3{1, -1, 0.5}; });
     RunContext context;
     ModelOptions options;
     options.caps = EndCaps::flat;
     const auto made = build_model(kept(drawing.raw, false), options, context);
-    ASSERT_FALSE(made.ok());
-    EXPECT_EQ(made.error().code, "E-PIP-004");
-    EXPECT_EQ(made.error().kind, ErrorKind::usage);
+    ASSERT_TRUE(made.ok()) << to_line(made.error());
+    EXPECT_NEAR(made.value().report.structures.at(0).volume.mesh_mm3 / (pi * 100 * 9), 1, 0.02);
 }
 
 // A narrow outline has no vertices inside that hold up its end.

@@ -63,6 +63,68 @@ std::vector<Vec3> about_an_axis(int planes) {
     return normals;
 }
 
+std::vector<double> heights_of(int planes) {
+    std::vector<double> heights;
+    for (int k = 0; k < planes; ++k) heights.push_back(0.6 * radius * (2.0 * k / (planes - 1) - 1));
+    return heights;
+}
+
+Effort of_stack(bool has_planes_across) {
+    std::vector<Vec3> normals(7, {0, 0, 1});
+    std::vector<double> heights = heights_of(7);
+    if (has_planes_across) normals.insert(normals.end(), {{1, 0, 0}, {0, 1, 0}});
+    heights.resize(normals.size(), 0);
+    return of_ball(normals, 60, any_number, heights);
+}
+
+// Planes that meet in a line beside the ball.
+Effort of_sweep() {
+    std::vector<Vec3> normals;
+    std::vector<double> heights;
+    for (int k = -2; k <= 2; ++k) {
+        const double angle = 0.06 * k;
+        normals.push_back({std::sin(angle), 0, std::cos(angle)});
+        heights.push_back(-100 * std::sin(angle));
+    }
+    return of_ball(normals, 60, any_number, heights);
+}
+
+TEST(Effort, each_row_of_the_table_says_what_is_done_for_contours) {
+    struct Row {
+        const char* name;
+        Effort effort;
+        ArrangementKind arrangement;
+        PlaneDensity density;
+        bool conforms, fits_sections, recovers;
+    };
+    using Kind = ArrangementKind;
+    using Density = PlaneDensity;
+    const Row rows[] = {
+        {"crammed", of_ball(about_an_axis(40), 20, any_number), Kind::about_axis, Density::crammed, false,
+         false, false},
+        {"dense about an axis", of_ball(about_an_axis(90), 80, any_number), Kind::about_axis,
+         Density::dense_about_axis, false, false, false},
+        {"parallel", of_stack(false), Kind::parallel, Density::sparse, false, false, true},
+        {"sweep", of_sweep(), Kind::sweep, Density::sparse, false, false, true},
+        {"stack and planes across", of_stack(true), Kind::stack_and_crossing, Density::sparse, true, false,
+         true},
+        {"about an axis", of_ball(about_an_axis(6), 60, any_number), Kind::about_axis, Density::sparse, true,
+         true, true},
+        {"in any position",
+         of_ball({normalized(Vec3{1, 0.2, 0}), normalized(Vec3{0.1, 1, 0.3}), normalized(Vec3{0, -0.4, 1})},
+                 60, any_number, {1, -2, 3}),
+         Kind::general, Density::sparse, true, true, true},
+    };
+    for (const Row& row : rows) {
+        SCOPED_TRACE(row.name);
+        EXPECT_EQ(row.effort.arrangement, row.arrangement);
+        EXPECT_EQ(row.effort.density, row.density);
+        EXPECT_EQ(row.effort.conforming, row.conforms);
+        EXPECT_EQ(row.effort.fits_sections, row.fits_sections);
+        EXPECT_EQ(row.effort.recovery.has_value(), row.recovers);
+    }
+}
+
 TEST(Effort, parallel_ones_are_apart) {
     const Effort planes = of_ball(std::vector<Vec3>(5, {0, 0, 1}), 40, any_number, {-12, -6, 0, 6, 12});
     EXPECT_TRUE(planes.is_apart());
