@@ -14,8 +14,12 @@
 
 namespace anatomesh {
 
-// Of cells at vertices that contours limit: within what the certificate allows there (100, 0.05 degrees).
-inline constexpr double most_limited_ratio = 50, least_limited_sine = 0.01;
+// The largest ratio of cells at vertices that contours limit, below the 100 that the certificate allows
+// there. [1; 3.9 to 100; M 2026-11, set not recorded]
+inline constexpr double most_limited_ratio = 50;
+// The least sine of their angles, 0.6 degrees, above the 0.05 degrees that the certificate allows there. [1;
+// 0.001 to 0.17; M 2026-11, set not recorded]
+inline constexpr double least_limited_sine = 0.01;
 
 // Improves the shapes of these cells; returns the cells that it made or reshaped, some of which may be gone.
 using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::uint32_t>)>;
