@@ -34,8 +34,6 @@ constexpr double most_for_segment = 1e-5;
 // other, and the cells in their place would spoil the rest.
 // [cells; > 0; M 2026-11 pelvis, spine, skull, 61 labels, fetal brain]
 constexpr std::size_t few_high = 2000;
-// Ratios are lowered once more if the last time lowered one cell in so many. [cells; > 0; B]
-constexpr std::size_t worth_a_pass = 20;
 // Blemishes are visited this many times their number at most. [1; >= 1; B]
 constexpr std::size_t visits_per_blemish = 4;
 // Flat cells between contours that are visited at most. [cells; > 0; B]
@@ -180,9 +178,7 @@ class MeshImprovement {
         const ClimbProfile& profile = profiles_[ClimbPass::ratios];
         for (int pass = 0; pass < edit_.options.ratio_passes; ++pass) {
             std::vector<std::uint32_t> cells = climber_.bad_cells(profile, context_.threads);
-            const std::size_t found = cells.size();
-            const std::size_t changes = climber_.climb_list(profile, std::move(cells), state_.watched);
-            if (changes == 0 || changes * worth_a_pass < found) break;
+            if (climber_.climb_list(profile, std::move(cells), state_.watched) == 0) break;
         }
     }
 
