@@ -10,11 +10,6 @@ namespace anatomesh {
 
 namespace {
 
-// Share of the least sine that cells may have before the vertex moves that stays of a collapsed edge.
-// [1; 0 to 1; M 2026-11 random sets in fans, freehand and crossing stacks]
-constexpr double before_moving = 0.5;
-constexpr int moves_after_collapse = 3;  // [passes; >= 0; B]
-
 // Cells inside that do not keep the bounds.
 std::size_t count_bad(const EditContext& edit, const std::vector<std::uint32_t>& cells,
                       const CellBounds& bounds) {
@@ -49,22 +44,6 @@ bool try_exchange(SectionEdit& section, const std::vector<std::uint32_t>& round,
     return done;
 }
 
-// The vertex that stays may move where cells at it are too flat then.
-bool collapse_and_move(EditContext& edit, std::uint32_t cell, int e, bool first_onto_second, std::uint32_t to,
-                       const CellBounds& bounds) {
-    edit.mesh.star(to, edit.scratch.others);
-    const double sine = std::min(bounds.sine, edit.threshold_of(edit.scratch.others).sine);
-    if (!collapse_edge_within(edit, cell, e, first_onto_second, before_moving * bounds.sine, bounds.ratio))
-        return false;
-    for (int n = 0; n < moves_after_collapse; ++n) {
-        edit.mesh.star(to, edit.changed);
-        if (edit.threshold_of(edit.changed).sine >= sine) return true;
-        if (!move_vertex(edit, to)) return false;
-    }
-    edit.mesh.star(to, edit.changed);
-    return edit.threshold_of(edit.changed).sine >= sine;
-}
-
 }  // namespace
 
 bool flip_across_plane(SectionEdit& section, std::uint32_t cell, int e, const CellBounds& bounds) {
@@ -82,9 +61,11 @@ bool collapse_across_plane(SectionEdit& section, std::uint32_t cell, int e, bool
                         to = edit.mesh.cell(cell)[first_onto_second ? j : i];
     const std::vector<std::uint32_t> round = stars_of(edit, from, to);
     const std::size_t bad = count_bad(edit, round, bounds);
+    // Sections are compared over all cells at the vertex that stays.
     const auto operation = [&] {
-        return collapse_and_move(edit, cell, e, first_onto_second, to, bounds) &&
-               count_bad(edit, edit.changed, bounds) <= bad;
+        if (!collapse_edge_within(edit, cell, e, first_onto_second, bounds.sine, bounds.ratio)) return false;
+        edit.mesh.star(to, edit.changed);
+        return count_bad(edit, edit.changed, bounds) <= bad;
     };
     if (!try_exchange(section, round, operation)) return false;
     if (!edit.constraints.fixed(to)) edit.constraints.settle(to);

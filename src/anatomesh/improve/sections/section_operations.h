@@ -43,8 +43,8 @@ bool relabel_both_at_section(SectionEdit& section, const std::array<std::uint32_
 // Flips edge `e` of a cell, one of the surface that passes through a plane.
 bool flip_across_plane(SectionEdit& section, std::uint32_t cell, int e, const CellBounds& bounds);
 
-// Moves a free vertex along edge `e` of a cell onto its other end. That is settled, and may move for the
-// shapes of the cells. No more cells break the bounds than before.
+// Moves a free vertex along edge `e` of a cell onto its other end, which is settled. No more cells break the
+// bounds than before.
 bool collapse_across_plane(SectionEdit& section, std::uint32_t cell, int e, bool first_onto_second,
                            const CellBounds& bounds);
 
