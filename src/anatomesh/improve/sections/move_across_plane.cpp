@@ -12,8 +12,6 @@ namespace {
 // Heights of a moved vertex over the plane, in mean lengths of the edges at it.
 // [1; -1 to 1; M 2026-11, set not recorded]
 constexpr std::array height_shares{0.05, -0.05, 0.1, -0.1, 0.2, -0.2, 0.35, -0.35};
-// Cosine of the angle by which a facet may turn. [1; 0 to 1; M 2026-11 61 labels, spine, pelvis]
-constexpr double most_turned = 0.5;
 
 class PlaneCrossingMove {
   public:
@@ -111,8 +109,6 @@ class PlaneCrossingMove {
 
     bool keeps_near(Vec3 q) {
         return std::all_of(facets_.begin(), facets_.end(), [&](const Facet& f) {
-            const Vec3 before = cross(f.b - from_, f.c - from_), after = cross(f.b - q, f.c - q);
-            if (!(dot(before, after) > most_turned * length(before) * length(after))) return false;
             edit_.look_between(f.here, f.there);
             return edit_.facet_distance(q, f.b, f.c) <= f.most;
         });

@@ -29,8 +29,8 @@ struct SectionEdit {
 };
 
 // Moves a free vertex to a place over or under a plane that its cells meet. It is settled then
-// (edit_context.h), and fixed when it is moved once more. No facet between regions at it turns by more than
-// 60 degrees, or comes further from the field's surface than the context's `spike_mm`, or than it was.
+// (edit_context.h), and fixed when it is moved once more. No facet between regions at it comes further from
+// the field's surface than the context's `spike_mm`, or than it was.
 bool move_across_plane(SectionEdit& section, std::uint32_t v, const CellBounds& bounds);
 
 // Relabels a cell to a region beside it, as may_relabel() allows.
