@@ -163,8 +163,8 @@ class LayeredSurface {
         return curves;
     }
 
-    template <std::size_t N>
-    bool meets(const std::array<std::uint32_t, N>& simplex, const Window& window) const {
+    template <std::size_t count>
+    bool meets(const std::array<std::uint32_t, count>& simplex, const Window& window) const {
         double low = beyond_all, high = -beyond_all;
         for (const std::uint32_t v : simplex)
             low = std::min(low, heights_[v]), high = std::max(high, heights_[v]);

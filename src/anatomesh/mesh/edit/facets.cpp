@@ -11,6 +11,9 @@ namespace anatomesh {
 
 namespace {
 
+// So many facets are a task of one thread. [facets; >= 1; B]
+constexpr std::size_t facets_per_task = 262144;
+
 // A cell's vertices in rising order, where each comes from, and whether the order is an odd permutation.
 struct SortedCell {
     Cell vertex;
@@ -112,7 +115,7 @@ FacetPairs match_facets(std::span<const Cell> cells, std::size_t point_count, in
 
 std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size_t point_count, int threads) {
     std::vector<std::uint32_t> neighbors = match_facets(cells, point_count, threads).other;
-    parallel_for(neighbors.size(), 4 * grain, threads, [&](std::size_t first, std::size_t last) {
+    parallel_for(neighbors.size(), facets_per_task, threads, [&](std::size_t first, std::size_t last) {
         for (std::size_t n = first; n < last; ++n) {
             if (neighbors[n] != no_cell) neighbors[n] /= 4;
         }

@@ -58,7 +58,7 @@ Status sample_step(RunState& run, RunContext& context) {
     PreparedRun& prepared = *run.prepared;
     const ModelOptions& options = run.config.options;
     ANATOMESH_TRY(run.sample, sample_run(prepared, options.size_mm, context));
-    if (run.sample->has_pole) prepared.effort = effort_at_pole(std::move(prepared.effort));
+    if (run.sample->has_pole) prepared.effort = effort_at_pole(prepared.effort);
     run.figures = sample_figures(run.sample->stats);
     run.model.report.lengths.size_mm = run.size_mm();
     warn_of_thin_structures(prepared.contours, mean_thickness(prepared.contours), run.size_mm(), context);
