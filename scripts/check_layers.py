@@ -6,6 +6,7 @@
 A room is a folder of src/anatomesh. It includes only itself and rooms above it in ROOMS: data flows one way. It has a
 README.md, at most 25 files and 3,200 lines besides tests. The core opens no file and prints nothing: it includes no
 header for that, and of others only Boost's and oneTBB's. The libraries for files include the core, never the other way.
+Their rooms, the folders of src/anatomesh_io, have a README.md too, which src/anatomesh_io/README.md names.
 """
 import pathlib
 import re
@@ -89,6 +90,14 @@ def faults(root):
         for path in files:
             if not is_test(path.name):
                 yield from faults_of_includes(core, path, room)
+    of_files = root / "src" / "anatomesh_io"
+    listed = (of_files / "README.md").read_text(encoding="utf-8")
+    for folder in sorted({path.parent for path in of_files.rglob("*.h")} - {of_files}):
+        room = folder.relative_to(of_files)
+        if not (folder / "README.md").exists():
+            yield f"anatomesh_io/{room}: has no README.md"
+        if f"`{room}/`" not in listed:
+            yield f"anatomesh_io/{room}: is not named in src/anatomesh_io/README.md"
 
 
 def main():

@@ -14,7 +14,8 @@ its line, or the comment block directly above it, ends with a tag: [unit; range;
     M   measured (year-month, data set): the rule was tried with this number on that data; where nobody wrote down which, the tag
         says "set not recorded"
     B   a budget: it bounds time or memory
-    D   a definition: mathematics, rounding of doubles, a file format's own number, or a number made of another one
+    D   a definition: mathematics, rounding of doubles, a file format's own number, or a number made of another one; or a choice for
+        which no measurement is recorded: the tag says "a choice, measurement not recorded"
 
 A number has a declaration of its own. These need no tag:
 
@@ -137,7 +138,7 @@ def anchor(heading):
 
 def page(found):
     kinds = collections.Counter(constant.tag["kind"] for constant in found)
-    unrecorded = sum(NOT_RECORDED in constant.tag["source"] for constant in found)
+    unrecorded = collections.Counter(constant.tag["kind"] for constant in found if NOT_RECORDED in constant.tag["source"])
     lines = ["# Named numbers", "",
              "This page lists the numbers that decide what the program does: what each is, where it is from, and what it decides. "
              "`scripts/list_constants.py --write` makes it of the comments beside the numbers, so change those. A test compares both.", "",
@@ -145,10 +146,12 @@ def page(found):
              f"| C | The contract: documents and `base/contract.h` say the number to users. | {kinds['C']} |",
              f"| P | A paper gives it. | {kinds['P']} |",
              "| M | It was measured: the rule was tried with this number on the data that is named, in the month that is named. "
-             f"[Experiments](experiments/README.md) have the figures. Of {unrecorded} of them the set is not recorded. | {kinds['M']} |",
+             f"[Experiments](experiments/README.md) have the figures. Of {unrecorded['M']} of them the set is not recorded. | {kinds['M']} |",
              f"| B | It is a budget: it bounds time or memory, and shapes no model that stays within it. | {kinds['B']} |",
-             f"| D | It is a definition: mathematics, rounding, a number of a file format, or one made of another number. | {kinds['D']} |", "",
+             f"| D | It is a definition: mathematics, rounding, a number of a file format, or one made of another number; "
+             f"or a choice for which no measurement is recorded ({unrecorded['D']} of them). | {kinds['D']} |", "",
              "Options that a caller chooses are not here: `anatomesh COMMAND --help-all` and the headers state their defaults. "
+             "Defaults that no command sets, such as `target_degrees`, stand in the headers only. "
              "The [stages](overview.md) say what the numbers are used for.", "", "## Rooms", "",
              "| room | numbers | C | P | M | B | D |", "|---|---:|---:|---:|---:|---:|---:|"]
     rooms = collections.defaultdict(list)
@@ -173,12 +176,13 @@ def main():
     untagged = [item for item in found if not item.tag]
     for item in untagged:
         print(f"{item.path}:{item.line}: {item.name} " + ("stands in one declaration with others" if item.several else "has no tag [unit; range; SOURCE]"))
-    unrecorded = sum(NOT_RECORDED in item.tag["source"] for item in found if item.tag)
+    unrecorded = collections.Counter(item.tag["kind"] for item in found if item.tag and NOT_RECORDED in item.tag["source"])
     wordless = [item for item in found if item.tag and not TAG.sub("", item.text).strip()]
     if "--wordless" in sys.argv[1:]:
         for item in wordless:
             print(f"{item.path}:{item.line}: {item.name} has a tag and no word that says what it decides")
-    print(f"{len(untagged)} of {len(found)} named numbers have no tag; of {unrecorded} the data set is not recorded; {len(wordless)} have a tag and no word")
+    print(f"{len(untagged)} of {len(found)} named numbers have no tag; of {unrecorded['M']} the data set is not recorded; "
+          f"{unrecorded['D']} are choices without a recorded measurement; {len(wordless)} have a tag and no word")
     if untagged:
         print("the head of scripts/list_constants.py explains tags")
         return 1

@@ -139,8 +139,7 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
                     cleaning.planes.plane_tolerance_mm, cleaning.planes.plane_repair_mm));
     add("--keyhole", cleaning.rings.keyhole_mm, 0, 10, "MM",
         fmt::format("Close a straight corridor from a contour to a hole if it is at most this wide, 0 to 10 "
-                    "mm. Default: "
-                    "{}.",
+                    "mm, and at least ten times as long as wide. Default: {}.",
                     cleaning.rings.keyhole_mm));
     add("--close-loops", cleaning.rings.loop_mm2, 0, 100, "MM2",
         fmt::format("Close loops where a contour crosses itself if they are smaller than this, 0 to 100 mm2, "

@@ -6,8 +6,9 @@
     golden.py PROGRAM --only NAME    one case
 
 Of each case stand there: the SHA-256 of the input, of the .vtu and of the report without `timing`, the same on 1 and
-on 3 threads; and the work that one thread does: whole meshings, cells made, places at which the field was asked. These
-numbers are the same on every machine, so that a slowdown shows where seconds would not tell.
+on 3 threads; and the work that one thread does: whole meshings, cells made, cells that improvement edits, places at
+which the field was asked. These numbers are the same on every machine, so that a slowdown shows where seconds would
+not tell.
 """
 import argparse
 import concurrent.futures

@@ -161,7 +161,8 @@ class StarDiscs {
         const auto position = [&](std::uint32_t c) {
             return std::lower_bound(star_.begin(), star_.end(), c) - star_.begin();
         };
-        constexpr std::uint32_t unseen = 0xFFFFFFFEu;  // [index that no cell has; 0xFFFFFFFE; D]
+        // It marks a cell that the search has not reached. [index that no cell has; 0xFFFFFFFE; D]
+        constexpr std::uint32_t unseen = 0xFFFFFFFEu;
         std::vector<std::uint32_t> from(star_.size(), unseen), queue = start.cells;
         for (const std::uint32_t c : start.cells) from[position(c)] = no_cell;
         for (std::size_t head = 0; head < queue.size(); ++head) {

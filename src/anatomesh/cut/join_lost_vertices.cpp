@@ -29,7 +29,8 @@ bool start_component(NonmanifoldPatch& patch, const VertexStars& stars, std::uin
 
 // Breadth-first from the cells at the vertex to the nearest cell on the other side; the path changes side.
 bool join(NonmanifoldPatch& patch, const VertexStars& stars, std::uint32_t vertex, std::uint32_t structure) {
-    constexpr std::uint32_t unseen = 0xFFFFFFFEu;  // [index that no cell has; 0xFFFFFFFE; D]
+    // It marks a cell that the search has not reached. [index that no cell has; 0xFFFFFFFE; D]
+    constexpr std::uint32_t unseen = 0xFFFFFFFEu;
     std::vector<std::uint32_t> from(patch.cells.size(), unseen), queue;
     const bool was_inside = patch.table().contains(patch.regions[stars.at(vertex)[0]], structure);
     for (const std::uint32_t c : stars.at(vertex)) {

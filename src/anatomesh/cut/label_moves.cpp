@@ -23,7 +23,8 @@ void LabelMoves::add_bridge(std::uint32_t vertex, const StarComponent& component
     const auto position = [&](std::uint32_t c) {
         return static_cast<std::size_t>(std::lower_bound(star.begin(), star.end(), c) - star.begin());
     };
-    constexpr std::uint32_t unseen = 0xFFFFFFFEu;  // [index that no cell has; 0xFFFFFFFE; D]
+    // It marks a cell that the search has not reached. [index that no cell has; 0xFFFFFFFE; D]
+    constexpr std::uint32_t unseen = 0xFFFFFFFEu;
     from_.assign(star.size(), unseen);
     queue_ = component.cells;
     for (const std::uint32_t c : component.cells) from_[position(c)] = no_cell;

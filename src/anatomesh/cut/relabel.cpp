@@ -16,7 +16,8 @@ namespace {
 constexpr std::size_t stars_ahead = 2;  // Stars are fetched into the cache so many before. [stars; >= 0; B]
 constexpr int most_mends =
     8;  // Passes go over the cells that are wrong in a slice's plane. [passes; >= 1; B]
-constexpr int most_passes_in_depth = 4;  // [passes; >= 0; B]
+// Moves of variable depth go over lost subsegments so often. [passes; >= 0; B]
+constexpr int most_passes_in_depth = 4;
 // A cell is nearly flat with six volumes below this. [cubes of the longest edge; 0 to 1e-3; M 2026-11, set not recorded]
 constexpr double flat_share = 1e-6;
 

@@ -9,8 +9,10 @@ namespace anatomesh {
 // [mm; > 0; C]
 inline constexpr double coordinate_bound_mm = 1e7;
 
-inline constexpr double radians_per_degree = std::numbers::pi / 180;  // [radians per degree; one value; D]
-inline constexpr double degrees_per_radian = 180 / std::numbers::pi;  // [degrees per radian; one value; D]
+// It turns degrees into radians. [radians per degree; one value; D]
+inline constexpr double radians_per_degree = std::numbers::pi / 180;
+// It turns radians into degrees. [degrees per radian; one value; D]
+inline constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
 // Planes whose normals have this cosine or more lean by 30 degrees at most; cos 30 itself is 0.86603.
 // [cosine of the angle; 0 to 1; D]

@@ -24,8 +24,8 @@ struct MakeModelOptions {
     std::uint64_t spare_dense_above = ModelOptions{}.spare_dense_above;
     // A model with a given edge length that would need more, as estimated, is refused. bytes; 0: none is.
     std::uint64_t max_memory_bytes = 0;
-    // What else the caller does to the model, for its report: named between the options of reconciling and
-    // the largest gap.
+    // What else the caller does to the model, for its report. They stand in the report after the options of
+    // reconciling.
     std::vector<std::pair<std::string, std::string>> report_options;
 };
 

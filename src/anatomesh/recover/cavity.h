@@ -72,7 +72,8 @@ class Cavity {
         std::uint32_t beyond;
         double value;  // of the cell with the apex; 2 where it has the apex as a corner
     };
-    static constexpr std::size_t most_cells = 150;  // [cells; >= 1; B]
+    // A cavity takes no more cells, so that opening it takes little time. [cells; >= 1; B]
+    static constexpr std::size_t most_cells = 150;
 
     bool holds(std::uint32_t c) const { return c != no_cell && c < stamp_.size() && stamp_[c] == now_; }
     Facet facet(std::uint32_t c, int i);

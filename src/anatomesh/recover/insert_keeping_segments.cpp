@@ -9,8 +9,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_in_conflict = 100;  // [cells; >= 1; B]
-constexpr int most_steps = 200;                // A walk to a point takes no more. [cells; >= 1; B]
+// A point in conflict with more cells is not inserted. [cells; >= 1; B]
+constexpr std::size_t most_in_conflict = 100;
+constexpr int most_steps = 200;  // A walk to a point takes no more. [cells; >= 1; B]
 
 class Inserter {
   public:

@@ -12,7 +12,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_pierced = 100;  // [cells; >= 1; B]
+// A subsegment that pierces more cells is not recovered. [cells; >= 1; B]
+constexpr std::size_t most_pierced = 100;
 // A subsegment is split at these shares of its length, in this order.
 // [1; 0 to 1; M 2026-11 fetal brain and crossing stacks]
 constexpr std::array<double, 5> shares{0.5, 0.35, 0.65, 0.2, 0.8};

@@ -43,8 +43,10 @@ constexpr int most_attempts = 3;
 // The least shape of cells at points beside subsegments.
 // [shape; 0 to 1; M 2026-11 fetal brain and crossing stacks]
 constexpr double side_shape = 0.5;
-constexpr int side_rounds = 2;        // [rounds; >= 0; B]
-constexpr std::size_t grain = 16384;  // [cells at a time; >= 1; B]
+// Points go beside lost subsegments so often. [rounds; >= 0; B]
+constexpr int side_rounds = 2;
+// So many cells are looked at in one task. [cells at a time; >= 1; B]
+constexpr std::size_t grain = 16384;
 
 }  // namespace
 

@@ -10,7 +10,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int segment_rounds = 8;  // [rounds; >= 1; B]
+// Missing subsegments are looked for and split so often. [rounds; >= 1; B]
+constexpr int segment_rounds = 8;
 constexpr int side_rounds = 2;  // Points go beside subsegments off their surface so often. [rounds; >= 0; B]
 constexpr std::size_t a_few = 8;  // So many may always be split further. [subsegments; >= 0; B]
 // No other contour vertex is this near to the middle of a subsegment that is split.

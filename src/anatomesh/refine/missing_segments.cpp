@@ -14,7 +14,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t subsegments_at_once = 256;  // [subsegments; >= 1; B]
+// So many subsegments are looked at in one task. [subsegments; >= 1; B]
+constexpr std::size_t subsegments_at_once = 256;
 
 // The subsegments by their lower vertex.
 struct SubsegmentTable {

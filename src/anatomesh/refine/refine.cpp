@@ -222,7 +222,9 @@ std::vector<BadCell> bad_cells(const LabelledMeshView& mesh, const RefineOptions
         std::uint64_t cells = 0;
         double ratios = 0;
     };
-    constexpr std::size_t grain = 8192;  // [cells at a time; >= 1; B]
+    // So many cells are looked at in one task; sums go by it, so it is the same for any number of threads.
+    // [cells at a time; >= 1; B]
+    constexpr std::size_t grain = 8192;
     std::vector<Inside> inside(look.size() / grain + 1);
     std::vector<BadCell> bad = parallel_collect<BadCell>(
         look.size(), grain, threads, [&](std::size_t first, std::size_t last, std::vector<BadCell>& out) {

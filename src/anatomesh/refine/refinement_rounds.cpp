@@ -13,9 +13,12 @@ namespace {
 // An edge across a surface with an end on another one counts from this length on.
 // [sizes; >= 0; M 2026-11 22 random label maps]
 constexpr double shortest_spike = 0.4;
-constexpr int crossing_rounds = 3;     // [rounds; >= 1; B]
-constexpr int deviation_rounds = 5;    // [rounds; >= 1; B]
-constexpr int refinement_rounds = 12;  // [rounds; >= 1; B]
+// Points go where edges cross an interface so often. [rounds; >= 1; B]
+constexpr int crossing_rounds = 3;
+// Points go where facets deviate from the interface so often. [rounds; >= 1; B]
+constexpr int deviation_rounds = 5;
+// Points go into cells of bad shape so often. [rounds; >= 1; B]
+constexpr int refinement_rounds = 12;
 // So many of these keep out of the balls of contour segments, [rounds; >= 0; M 2026-11, set not recorded]
 constexpr int protected_rounds = 4;
 // of this share of the balls. [radii; 0 to 1; M 2026-11, set not recorded]
@@ -36,8 +39,10 @@ constexpr int changed_rounds = 4;  // Where something changes later on. [rounds;
 // Where freehand planes lie closer than the vertices along them, points at crossings keep this distance from others:
 // contours show the surface without more points. [edges; 0 to 1; M 2026-11 dense freehand planes]
 constexpr double crowded_crossing_spacing = 0.05;
-constexpr int dense_deviation_rounds = 2;  // [rounds; >= 1; B]
-constexpr int section_rounds = 6;          // [rounds; >= 1; B]
+// At reduced effort points go where facets deviate so often. [rounds; >= 1; B]
+constexpr int dense_deviation_rounds = 2;
+// Points go beside wrong cross-sections so often in one turn. [rounds; >= 1; B]
+constexpr int section_rounds = 6;
 // Rounds for cross-sections take turns with subsegments and shapes so often; five turns were no better.
 // [turns; >= 1; M 2026-11 69 sets about an axis]
 constexpr int section_times = 3;
@@ -51,7 +56,9 @@ double mean_ratio(const LabelledMesh& mesh, double bound, int threads) {
     struct Sum {
         double ratios = 0, cells = 0;
     };
-    constexpr std::size_t grain = 16384;  // [cells at a time; >= 1; B]
+    // So many cells are summed in one task; sums go by it, so it is the same for any number of threads.
+    // [cells at a time; >= 1; B]
+    constexpr std::size_t grain = 16384;
     const std::vector<Cell>& cells = mesh.cells().cells;
     std::vector<Sum> sums(cells.size() / grain + 1);
     parallel_for(cells.size(), grain, threads, [&](std::size_t first, std::size_t last) {

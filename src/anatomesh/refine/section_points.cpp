@@ -49,7 +49,8 @@ std::vector<WrongSection> wrong_sections(const LabelledMeshView& mesh, const Cro
                                          const SectionPointOptions& options,
                                          const std::vector<std::uint32_t>& look, int threads) {
     const std::vector<Vec3>& points = mesh.points;
-    constexpr std::size_t grain = 4096;  // [cells at a time; >= 1; B]
+    // So many cells are looked at in one task. [cells at a time; >= 1; B]
+    constexpr std::size_t grain = 4096;
     return parallel_collect<WrongSection>(
         look.size(), grain, threads,
         [&](std::size_t first, std::size_t last, std::vector<WrongSection>& found) {

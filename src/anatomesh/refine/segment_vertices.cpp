@@ -16,7 +16,8 @@ std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
                                               const std::vector<Subsegment>& subsegments,
                                               std::size_t vertex_count) {
     assert(vertex_of.size() == contours.points.size());
-    constexpr std::uint32_t several = no_slice - 1;  // [index that no slice has; 0xFFFFFFFE; D]
+    // It stands for a vertex on contours of more than one slice. [index that no slice has; 0xFFFFFFFE; D]
+    constexpr std::uint32_t several = no_slice - 1;
     std::vector<std::uint32_t> slice(vertex_count, no_slice);
     for (const Contour& contour : contours.contours) {
         for (std::uint32_t n = contour.first_point; n < contour.first_point + contour.point_count; ++n) {

@@ -55,7 +55,9 @@ class ProtectedSegments {
     // Whether q is as far from `apex` as p is, and at no angle from it below three degrees: there,
     // subsegments that meet at the apex are split without being in each other's way.
     static bool is_on_shell(Vec3 q, Vec3 p, Vec3 apex) {
-        constexpr double as_far = 1e-6;  // [radii of the shell; 0 to 1e-3; D rounding of doubles]
+        // Distances from the apex that differ by less are the same.
+        // [radii of the shell; 0 to 1e-3; D rounding of doubles]
+        constexpr double as_far = 1e-6;
         const double shell = length(p - apex);
         return std::abs(length(q - apex) - shell) <= as_far * shell && length(q - p) >= least_angle * shell;
     }
@@ -73,7 +75,8 @@ class ProtectedSegments {
         return found;
     }
 
-    static constexpr std::uint32_t no_ball = 0xFFFFFFFFu;  // [index that no ball has; 0xFFFFFFFF; D]
+    // It stands for no ball. [index that no ball has; 0xFFFFFFFF; D]
+    static constexpr std::uint32_t no_ball = 0xFFFFFFFFu;
 
     // The diametral ball that p lies in, within `share` of its radius from its middle, or so near to the
     // segment that it sees this under an angle close to 180 degrees: only subsegments as short as it is near

@@ -13,7 +13,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t no_apex = 0xFFFFFFFFu;  // [index that no vertex has; 0xFFFFFFFF; D]
+// It stands for no apex. [index that no vertex has; 0xFFFFFFFF; D]
+constexpr std::uint32_t no_apex = 0xFFFFFFFFu;
 // The squared sine of the angle between subsegments of one segment is below this. [1; 0 to 1e-12; D rounding of doubles]
 constexpr double straight = 1e-18;
 // The cosine between a subsegment and the way to it from a pole is above this. [1; 0 to 1; M 2026-11 skin of a head, 36 and 60 planes]

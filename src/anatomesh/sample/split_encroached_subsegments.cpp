@@ -15,15 +15,18 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int most_rounds = 24;  // [rounds; >= 1; B]
+// Encroached subsegments are split so often. [rounds; >= 1; B]
+constexpr int most_rounds = 24;
 // A subsegment is not split where a vertex is this near.
 // [shortest lengths; 0 to 1; M 2026-11 fetal brain and crossing stacks]
 constexpr double near_share = 0.5;
 // A vertex on the sphere of a ball is not in it. [radii; 0 to 1; D rounding of doubles]
 constexpr double in_ball = 1 - 1e-9;
-constexpr double cell_share = 1.5;                // A cell of the grid. [mean lengths of subsegments; > 0; B]
-constexpr std::size_t grain = 512;                // [subsegments at a time; >= 1; B]
-constexpr std::uint32_t no_vertex = 0xFFFFFFFFu;  // [index that no vertex has; 0xFFFFFFFF; D]
+constexpr double cell_share = 1.5;  // A cell of the grid. [mean lengths of subsegments; > 0; B]
+// So many subsegments are looked at in one task. [subsegments at a time; >= 1; B]
+constexpr std::size_t grain = 512;
+// It stands for no vertex. [index that no vertex has; 0xFFFFFFFF; D]
+constexpr std::uint32_t no_vertex = 0xFFFFFFFFu;
 
 using VertexPair = std::array<std::uint32_t, 2>;
 using Owner = std::array<std::uint32_t, 2>;  // a point, and a structure with a contour through it

@@ -32,7 +32,8 @@ class SegmentIndex {
     void below(Vec2 point, std::vector<std::uint32_t>& found) const;
 
   private:
-    static constexpr std::uint32_t leaf_size = 4;  // [segments; > 0; B]
+    // A leaf of the tree has so many segments. [segments; > 0; B]
+    static constexpr std::uint32_t leaf_size = 4;
 
     // Node n of the complete binary tree covers nodes 2n + 1 and 2n + 2; the last `leaf_count_` are leaves.
     bool is_leaf(std::uint32_t node) const { return node + 1 >= leaf_count_; }

@@ -7,8 +7,8 @@
 
 namespace anatomesh {
 
-// Returns the mean of the slices' normals, all taken to one side. Returns nothing where one leans by more than 30 degrees
-// against it, or there are no slices. Complexity: O(slices).
+// Returns the mean of the slices' normals, all taken to one side. Returns nothing where one leans by more than 30
+// degrees against it, or there are no slices. Complexity: O(slices).
 std::optional<Vec3> common_normal(const ContourSet& set);
 
 }  // namespace anatomesh

@@ -14,7 +14,8 @@ namespace anatomesh {
 namespace {
 
 // A displaced slice lies off the line between those beside it by all of the next three.
-constexpr double least_mm = 2;  // [mm; > 0; C W-FLD-011]
+// It lies off by so much at least. [mm; > 0; C W-FLD-011]
+constexpr double least_mm = 2;
 // Radii of the circle of its area. [1; 0 to 1; D a choice, measurement not recorded]
 constexpr double least_of_radius = 0.1;
 // Times the median of what is usual around it. [1; > 1; D a choice, measurement not recorded]

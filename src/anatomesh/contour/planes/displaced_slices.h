@@ -20,7 +20,8 @@ struct DisplacedSlice {
 //   of the eight slices around, but for the two beside.
 // - The slices beside lie on one line without it, to a third of that.
 // - The three regions have as many parts and holes, and its area is within a quarter of theirs.
-// - Its box has moved as its middle did, to a third: what branches, opens or bulges moves too.
+// - Its box has moved as its middle did, to 35 % of that distance: what branches, opens or bulges moves too.
+// A slice is not judged if fewer than three slices around can be judged.
 // The first two slices of a structure and the last two are not judged, and two in a row that jumped together are not
 // found. A slice is given for the structure that is furthest off, and only if most of its structures that can be judged
 // are displaced. Slices without a common normal (common_normal.h) have none.

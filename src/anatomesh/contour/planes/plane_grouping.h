@@ -41,9 +41,9 @@ struct PlaneGroups {
 // - Where contours lie further than the tolerance off their planes, all of a stack show its normal together, and an
 //   axis is taken that fits as well.
 // Parallel planes share a slice when they lie within group_tolerance_mm, and this is little beside the stack itself. It is
-// little up to 2 % of the largest gap, or, for two planes alone, up to 1e-3 of the contours' extent. So a stack of finer slices keeps them
-// all. Planes that were not declared, farther apart but by no more than plane_repair_mm, are one slice where their
-// contours show it (near_planes.h).
+// little up to 2 % of the largest gap, or, for two planes alone, up to 1e-3 of the contours' extent. So a stack of finer
+// slices keeps them all. Planes that were not declared, farther apart but by no more than plane_repair_mm, are one
+// slice where their contours show it (near_planes.h).
 // Guarantees: every slice's plane is make_plane(origin, normal) with the origin the foot of (0, 0, 0), so an axial slice
 // has in-plane coordinates equal to x and y. The normal's largest component is positive (ties: z, then y). The result
 // depends on the order of contours only through rounding in the refined normal: give them in a canonical order.

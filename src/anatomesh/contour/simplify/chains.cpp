@@ -115,7 +115,8 @@ class ShortestPath {
         return 0.0006 * ratio * ratio;
     }
 
-    static constexpr std::size_t longest_shortcut = 128;  // [points; > 1; B]
+    // A shortcut passes by fewer points than this: longer ones are not looked at. [points; > 1; B]
+    static constexpr std::size_t longest_shortcut = 128;
 
     double epsilon_, spacing_;
     std::vector<double> cost_;

@@ -35,8 +35,8 @@ struct MergeCoincidentStats : ConflationStats {
 // width of where it was drawn. What is farther apart stays exactly as it was. No vertex is lost, and each moves only
 // onto another one. Contours of a structure stay as they were where they would touch or cross one another, turn
 // inside out, or change their nesting. The result is the same for any order of the input that led to the set.
-// Complexity: O(n log n + pairs nearer than the width) a slice and round. There is one round of taking back as a rule, and
-// few rounds, at most 17, in which slices with common vertices agree.
+// Complexity: O(n log n + pairs nearer than the width) a slice and round. There is one round of taking back as a rule,
+// and few rounds, at most 17, in which slices with common vertices agree.
 MergeCoincidentStats merge_coincident(ContourSet& set, const MergeCoincidentOptions& options);
 
 }  // namespace anatomesh

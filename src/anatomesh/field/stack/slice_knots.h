@@ -49,7 +49,8 @@ struct StructurePart {
 
 // What else tells whether a structure goes on through a gap.
 struct GapEvidence {
-    std::vector<double> left_out;  // rising heights of slices of its own that are not there: see below
+    // Rising heights of slices of its own that `--without` left out; a gap that they part into usual ones is bridged.
+    std::vector<double> left_out;
     // Of the drawn ones, rising: those that got their outlines from the others (outlines_between.h). They
     // part no gap, and so make no other one wide.
     std::vector<std::uint32_t> interpolated;
@@ -63,11 +64,11 @@ struct GapEvidence {
 // Knots of a structure drawn on the slices intervals[drawn[..]] (rising, at least one).
 // `every_slice`: each slice of the set says something about it (label maps). Otherwise those between its own
 // that covering_slices() names. `spacing`: of the set, for a structure whose own spacing cannot be told.
-// A gap that slices left out part into usual ones is bridged.
 StructureKnots structure_knots(const std::vector<SliceInterval>& intervals,
                                const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
                                const FieldOptions& options, const GapEvidence& evidence = {});
 
+// Returns the parts between gaps that are not bridged.
 std::vector<StructurePart> parts_of(const StructureKnots& knots);
 
 }  // namespace anatomesh

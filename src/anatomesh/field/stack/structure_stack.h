@@ -22,11 +22,11 @@ namespace anatomesh {
 // It stands for a knot on which nothing is drawn. [index; -1; D]
 inline constexpr std::int32_t empty_knot = -1;
 
-// A correction moves a surface by no more beyond nine tenths of the distances, and by ten times as much at
-// most: walls stay whole. [gaps; 0 to 0.1; M 2026-11 skull, slices left out]
+// A correction is at most nine tenths of the distance and this share of the gap. So it moves a surface by at most ten
+// times this share, a quarter of the gap, and walls stay whole. [gaps; 0 to 0.1; M 2026-11 skull, slices left out]
 inline constexpr double most_correction = 0.025;
 
-// What the curvature of a path add to the distance, before the bound of blend_distances().
+// What the curvature of a path adds to the distance, before the bound of blend_distances().
 inline double curvature_correction(double t, const SliceMotion::Path& path) {
     return t * (1 - t) * ((1 - t) * path.curvature_below - t * path.curvature_above);
 }

@@ -15,14 +15,16 @@ struct TerminatingComponent {
     bool is_sure = true;  // that it ends; else it may
 };
 
-// The parts of the region `here` that have no counterpart in the region `there`, on the neighbouring slice:
-// pieces that share no point with it and holes that lie in it wholly, and less than half of whose outline is,
-// of all outlines here, the nearest to the outline there that is nearest to it and faces the same way (what
-// leans moves instead). Besides, not sure, of what has nothing drawn within it: those of whose outline less
-// than half is left so where a hole and an outline do not match across half of it; and holes that the region
-// covers by more than half of their area, with no hole there that begins in them. Requires: gap > 0, the
-// distance of the slices, mm. Complexity: linear in the edges where nothing is alone, else O(n log n + k n)
-// for k such parts and holes.
+// Returns the parts of the region `here` that have no counterpart in the region `there`, on the neighbouring slice.
+// A piece ends if it shares no point with the region `there`, a hole if it lies in that region wholly. Both also need
+// this: take the outline there that is nearest. Of all outlines here, this one is nearest to it, facing the same way,
+// along less than half of its length. Otherwise the part leans and does not end.
+// Parts that may end are returned as well, as not sure, if nothing is drawn within them. They are such pieces and holes
+// that match along half of their length or more, but less without matches of a hole with an outline across more than
+// half of the part. And they are holes of which the region covers half of the area or more, with no hole there that
+// begins in them, and that match so along less than half.
+// Requires: gap > 0, the distance of the slices, mm. Complexity: linear in the edges where nothing is alone, else
+// O(n log n + k n) for k such parts and holes.
 std::vector<TerminatingComponent> terminating_components(const DistanceMap& here, const DistanceMap& there,
                                                          double gap);
 

@@ -6,8 +6,9 @@
 
 namespace anatomesh {
 
-// W-FLD-011, once, with the names of all slices that find_displaced_slices() finds and the distance of the worst; unless that one was told in this context: of a set it may be found again in a
-// part of it. For contours that somebody drew. Complexity: as there.
+// Warns W-FLD-011 once, with the names of all slices that find_displaced_slices() finds and the distance of the worst.
+// It does not where that one was told in this context: it may be found again in a part of a set. For contours that
+// somebody drew. Complexity: as there.
 void warn_about_displaced_slices(const ContourSet& set, RunContext& context);
 
 }  // namespace anatomesh

@@ -14,7 +14,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t no_facet = 0xFFFFFFFFu;  // [1; the largest index; D]
+// It stands for no facet across an edge. [1; the largest index; D]
+constexpr std::uint32_t no_facet = 0xFFFFFFFFu;
 
 // A facet between two regions, counter-clockwise seen from the one with the smaller number.
 struct SurfaceFacet {

@@ -22,9 +22,11 @@ constexpr std::size_t most_chains = 40;
 constexpr std::size_t most_improved = 12;
 // The same where cells above the first bound may be added, and for all chains. [attempts; > 0; B]
 constexpr std::size_t most_improved_at_last = 36;
-constexpr std::size_t most_improved_in_all = 100;               // [attempts; > 0; B]
-constexpr std::size_t most_tried_in_all = 1000;                 // attempts, sound or not [attempts; > 0; B]
-constexpr std::size_t no_limit = static_cast<std::size_t>(-1);  // [cells; -; D]
+// Attempts for all chains whose cells are improved in vain. [attempts; > 0; B]
+constexpr std::size_t most_improved_in_all = 100;
+constexpr std::size_t most_tried_in_all = 1000;  // attempts, sound or not [attempts; > 0; B]
+// More cells than any attempt costs: no attempt was made yet. [cells; -; D]
+constexpr std::size_t no_limit = static_cast<std::size_t>(-1);
 constexpr int rounds = 4;  // over the chains: one may need that beside it [passes; > 0; B]
 constexpr std::array chain_reaches{MembraneReach::wide, MembraneReach::joined};
 

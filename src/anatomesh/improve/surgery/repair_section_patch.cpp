@@ -26,8 +26,9 @@ constexpr std::size_t most_cuts =
 constexpr std::size_t most_repaired_in_vain = 100;  // attempts whose cells are improved [attempts; > 0; B]
 // Cells improved where planes cross, of one section and of all. [cells; > 0; B]
 constexpr std::size_t most_cells_of_cut = 5'000;
-constexpr std::size_t most_cells_across = 20'000;  // [cells; > 0; B]
-constexpr std::size_t most_tried = 1000;           // attempts, sound or not [attempts; > 0; B]
+// The same of all sections together. [cells; > 0; B]
+constexpr std::size_t most_cells_across = 20'000;
+constexpr std::size_t most_tried = 1000;  // attempts, sound or not [attempts; > 0; B]
 // Share of an edge that passes through the patch: an end as near to the plane is a corner of it.
 // [1; 0 to 0.5; M 2026-11, set not recorded]
 constexpr std::array nearness{0.25, 0.0};

@@ -192,7 +192,8 @@ class PinchResolution {
 
     // Of cells at a vertex, those on the way from these to others of the other side: the cheapest one.
     std::vector<std::uint32_t> way_between(std::uint32_t v, const std::vector<std::uint32_t>& from) {
-        constexpr std::size_t never = static_cast<std::size_t>(-1);  // [cells; -; D]
+        // More cells than any way costs: no way is known. [cells; -; D]
+        constexpr std::size_t never = static_cast<std::size_t>(-1);
         struct Step {
             std::size_t cost = never;
             std::uint32_t before = no_cell;

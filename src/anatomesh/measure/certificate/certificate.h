@@ -1,18 +1,20 @@
 // measure_model: the figures of a model and its certificate, the six clauses of the contract.
 //
-//   clause                                                    promised now
-//   1 contour vertices on the surface, bit for bit            yes
+//   clause                                                    state
+//   1 contour vertices on the surface, bit for bit            kept or broken
 //   2 contour segments are chains of surface edges, cross-
-//     sections by the slices' planes the drawn regions        kept where all are; else counted and stated
-//   3 closed oriented 2-manifolds, positive cells, no overlap yes
-//   4 radius-edge ratio at most 2; dihedral angles            kept where both are met; else counted and stated
-//   5 same input, same bytes                                  yes, by construction of the stages
-//   6 volume by mesh equals the field's within 0.2 %          yes, where the field is at hand
+//     sections by the slices' planes the drawn regions        kept where all are; else counted and stated, or broken
+//   3 closed oriented 2-manifolds, positive cells, no overlap kept or broken
+//   4 radius-edge ratio at most 2; dihedral angles            kept where both are met; else counted and stated, or broken
+//   5 same input, same bytes                                  kept, by construction of the stages
+//   6 volume by mesh equals the field's within 0.2 %          kept or broken, where the field is at hand
 //
 // A clause that cannot be checked because its input is not there (contours, field) is `not_promised_yet` and
 // its evidence says "not checked". So are clauses 2 and 4 where they were measured and are not met, within
 // what is tolerated: their evidence begins with "measured, not met", says by how much, and names the worst
 // places. Clause 2 is broken where what the slices' planes cut out of a structure is grossly not what is drawn.
+// Clause 4 is broken by cells that nothing forces: where more than 0.5 % of the cells are such cells above the bound,
+// where there are such cells and the mean of all unforced ones is above 1.2, or where one is gross (base/contract.h).
 #pragma once
 
 #include <span>

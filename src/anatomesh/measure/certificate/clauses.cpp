@@ -110,7 +110,7 @@ Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, c
         "worse, except 0.5 % of them while the mean is at most 1.2; at most 4 for each, with "
         "dihedral angles of at least 10 degrees; for none above 100 or with an angle below 0.05 degrees.",
         ""};
-    // Negated, so that a mean that is no number breaks the clause.
+    // A mean that is no number is not tolerable.
     const bool tolerable = static_cast<double>(free) <=
                                contract::share_over_bound * static_cast<double>(report.counts.tetrahedra) &&
                            found.mean_free <= contract::mean_radius_edge;

@@ -26,8 +26,9 @@ struct ModelOptions {
     // edges beside them, 0.6 of it (snap_round_segments.h). [0, 1000]; 0:
     // all stay where they are drawn
     double max_reroute_mm = 0;
-    // Of contour vertices on planes that lie closer than those, times the square of plane_density(): above,
-    // less is done for cells and contour segments at the first run with a default size (W-PIP-005). [0, any]
+    // At the first run with a default size, less is done for cells and segments where planes are dense (W-PIP-005).
+    // That is where the contour vertices, times the square of plane_density(), are more than this. It is also where that
+    // density is above 3. [0, any]
     std::uint64_t spare_dense_above = 100'000;
 };
 

@@ -17,7 +17,7 @@ struct ComparedModel {
 
 // What counts as no worse, whatever the other model has.
 struct CompareOptions {
-    double near_mm = 0;          // from the field. [0, any], a share of the edge length
+    double near_mm = 0;          // a surface so near to the field's counts as on it. mm, [0, any]
     double farther = 1.05;       // than the other model, in its distance from the field. [1, any]
     double over_bound = 0.0005;  // share of the cells above the radius-edge bound. [0, 1]
     double largest_ratio = contract::nearly_bad_radius_edge;  // [2, any]
@@ -28,8 +28,8 @@ struct CompareOptions {
 // components, genus and pieces of each structure, shells that no contour tells of, contour vertices and
 // segments on the surface; slices whose cut is wrong and the worst of them; distance from the field, and what
 // is joined that it has apart; the mean ratio, cells above the bound, below 10 degrees or bad without a
-// reason, the largest ratio; warnings of each code; all of it as the options have it. Requires: the same
-// structures, in one order. O(structures + cuts + warnings^2).
+// reason, the largest ratio and the smallest dihedral angle; warnings of each code; all of it as the options
+// have it. Requires: the same structures, in one order. O(structures + cuts + warnings^2).
 bool is_no_worse(const ComparedModel& model, const ComparedModel& other, const CompareOptions& options);
 
 }  // namespace anatomesh

@@ -20,13 +20,13 @@ struct RetriedModel {
     std::size_t runs = 0;                     // models built besides
 };
 
-// `model`, if its mean ratio is at most 0.95 or it has 30,000 cells and more. Else, of it and those that
-// `build` makes with lower and lower RefinementOptions::target_mean_ratio, the first one with such a mean and
-// no more bad cells without a reason, or the one with fewest of them, or, where none has it, the last whose
-// mean is lower by 0.005: of those that are no worse than `model` (is_no_worse(); `size_mm`, the edge length:
-// within half of it a surface is near enough to the field; one cell in 2000 may be bad without a reason). The
-// context has the warnings of the model that is returned. At most three more builds. Requires: the warnings
-// of the model in the context; `build` leaves those of its own there. Errors: of a build that was cancelled.
+// Returns `model` if its mean ratio is at most 0.95 or it has 30,000 cells or more. Else builds up to three with
+// falling RefinementOptions::target_mean_ratio. A build counts only if it is no worse than `model` (is_no_worse()).
+// Of these the first that reaches the mean is taken. It gives way only to one with fewer cells that are bad without a
+// reason. If none reaches it, the last that lowers the mean by 0.005 is taken. `size_mm` is the edge length: a surface
+// within half of it is near enough to the field. One cell in 2,000 may be bad without a reason. The context has the
+// warnings of the model that is returned. Requires: the warnings of `model` are in the context; `build` leaves those of
+// its own there. Errors: of a build that was cancelled.
 Result<RetriedModel> retry_for_mean_ratio(Model model, double size_mm,
                                           const std::function<Result<Model>(double)>& build,
                                           RunContext& context);

@@ -9,8 +9,8 @@
 //
 // The policy is the table RetryPolicy::rules() in retry_policy.cpp: the first row that applies decides.
 //
-// Guarantees: at most `most_finer` finer runs, `most_same` of one size, and `most_conforming` slightly
-// finer ones. O(rows).
+// Guarantees: at most `most_finer` finer runs and `most_conforming` slightly finer ones; `most_same` of one size, and
+// one more where a slightly finer run met a limit. O(rows).
 #pragma once
 
 #include <array>
@@ -27,10 +27,12 @@ enum class NextRun { none, same_size, finer, slightly_finer };
 struct RetrySituation {
     bool size_given = false;  // the edge length is the user's, and stays
     // Of the last run.
-    bool refused = false;          // it broke the contract in a way that an edge length may mend
-    bool met_limit = false;        // a slightly finer one broke it in another way
-    bool torn = false;             // it is small enough to be built again, and a wall is torn
-    bool ill_shaped = false;       // the same, and too many cells are above the radius-edge ratio
+    bool refused = false;    // it broke the contract in a way that an edge length may mend
+    bool met_limit = false;  // a slightly finer one broke it in another way
+    bool torn = false;       // it is small enough to be built again, and a wall is torn
+    // It is small enough, too many cells are above the radius-edge ratio, and that with a default size, full effort,
+    // and no finer run made for shapes before.
+    bool ill_shaped = false;
     bool conformed = false;        // it split contour segments for each other's sake
     bool conformed_badly = false;  // the same, at reduced effort, and that left bad cells or bumps
     bool reduced_effort = false;   // less was done for the shape of cells than can be
@@ -51,11 +53,11 @@ struct RetryRule {
 
 class RetryPolicy {
   public:
-    // [runs; 0 to 10; B, each has about three times the cells of the one before]
+    // So many runs may be finer. [runs; 0 to 10; B, each has about three times the cells of the one before]
     static constexpr std::size_t most_finer = 3;
-    // [runs; 0 to 10; B]
+    // So many runs may have the size of the one before and other work. [runs; 0 to 10; B]
     static constexpr std::size_t most_same = 4;
-    // [runs; 0 to 10; B, one for each of slightly_finer_sizes]
+    // So many runs may be slightly finer. [runs; 0 to 10; B, one for each of slightly_finer_sizes]
     static constexpr std::size_t most_conforming = 4;
     // A model that keeps the contract is built again below this. [cells; > 0; B, such a run takes about a minute]
     static constexpr std::size_t again_below = 800000;
@@ -94,9 +96,9 @@ bool conformed_badly(const RunOutcome& outcome);
 // is not met; a very small one with all of them. The better one is taken (is_better()).
 // [edge lengths; 0 to 1; M 2026-11, docs/experiments/2026-11-28-retries.md]
 inline constexpr std::array<double, 8> slightly_shorter{0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6};
-// [runs; 0 to 8; B]
+// So many of these are tried for a model that is not very small. [runs; 0 to 8; B]
 inline constexpr std::size_t shorter_runs = 4;
-// [cells; > 0; B]
+// A model of fewer cells is very small: all of them may be tried. [cells; > 0; B]
 inline constexpr std::size_t very_small_below = 25000;
 
 bool is_tangled(const RunOutcome& outcome);

@@ -23,9 +23,10 @@ struct RunScore {
     std::size_t spurious_joints =
         0;                          // places where planes cross and surfaces are joined otherwise than drawn
     std::size_t unmet_clauses = 0;  // clauses of the contract that were measured and not met
-    double farthest = 0;            // distance of the surface from the field's, in edge lengths
-    double over_bound = 0;          // share of the cells above the radius-edge ratio, in [0, 1]
-    double bad = 0;                 // share of the cells that clause 4 forbids, in [0, 1]
+    // Distance of the surface from the field's, in edge lengths; infinite where only a lower bound is known.
+    double farthest = 0;
+    double over_bound = 0;  // share of the cells above the radius-edge ratio, in [0, 1]
+    double bad = 0;         // share of the cells that clause 4 forbids, in [0, 1]
 };
 
 // What says, beside the score, whether another run may do better. It is known of refused runs as well.
@@ -64,8 +65,8 @@ struct RunFacts {
 // missed, and clause 2 as not met for them: another run may have edges along them. O(structures + clauses)
 RunOutcome outcome_of(const Result<Model>& model, const ModelReport& report, const RunFacts& facts);
 
-// Of cells: so few that clause 4 forbids are less than the contour segments that another run would lose.
-// [share of the cells; 0 to 1; M 2026-11, docs/experiments/2026-11-28-retries.md]
+// With at most this share of bad cells a model is hardly bad: a run without splitting would lose more contour
+// segments. [share of the cells; 0 to 1; M 2026-11, docs/experiments/2026-11-28-retries.md]
 inline constexpr double few_bad = 1e-4;
 // A surface further off the field's than this is warned of (W-PIP-008). [edge lengths; > 0; C]
 inline constexpr double warned_distance = 0.5;

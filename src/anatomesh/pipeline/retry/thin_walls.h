@@ -14,12 +14,13 @@ struct WallSize {
     double share = 0;         // of all that is drawn, by length, that belongs to such structures
 };
 
-// Of structures half of whose vertices lie within a fifth of `size_mm`, the edge length that would do
-// without, of another structure's contour in their slice, but not on it: 2.5 times the median of these
-// distances; of several the least. Nothing where none does, or where that is more than 0.7 sizes. There the
-// space between two surfaces is a wall everywhere, and a mesh of longer edges has flat cells in it or none,
-// however its points are put. (Nested ellipsoids 0.1 and 0.2 mm apart on four kinds of planes made 40 to 75
-// cells for each square.) Looks at 64 vertices of a contour at most. Requires: size_mm > 0; spacing_mm > 0,
+// Returns the edge length for structures that run close beside others. Such a structure has half of its vertices
+// within a fifth of `size_mm` of another structure's contour in their slice, but not on it. The edge length is 2.5
+// times the median of these distances; of several structures the least counts. Returns nothing if there is none, or if
+// that is more than 0.7 sizes. `size_mm` is the edge length that would do without these walls.
+// The space between two such surfaces is a wall everywhere. A mesh of longer edges has flat cells in it or none, however
+// its points are put. (Nested ellipsoids 0.1 and 0.2 mm apart on four kinds of planes made 40 to 75 cells for each
+// square.) At most 64 vertices of a contour are looked at. Requires: size_mm > 0; spacing_mm > 0,
 // between slices. Complexity: O(contours * points of a slice).
 std::optional<WallSize> wall_size(const ContourSet& contours, double size_mm, double spacing_mm);
 

@@ -9,7 +9,8 @@
 namespace anatomesh {
 
 // Step "field": moves the contours to the origin, makes their field unless `known` has it, and decides the
-// effort of the run. Requires: a kept contour set, and `known` has the facts of its slices. Errors: those of make_structure_field().
+// effort of the run. Requires: a kept contour set, and `known` has the facts of its slices. Errors: those of
+// make_structure_field().
 Result<PreparedRun> prepare_run(const ContourSet& source, const RunConfig& config, FieldAndVolumes known,
                                 RunContext& context);
 

@@ -10,7 +10,8 @@ namespace anatomesh {
 
 // Those from the first to the last slice that a structure is drawn on, by their places in a stack: as a rule
 // all, and it is empty on those that do not draw it. But a structure may be drawn on slices of its own, at
-// its own spacing, and others between these, for others' sake, say nothing about it (a guess, to be told):
+// its own spacing, and others between these, for others' sake, say nothing about it. This is a guess, so it is
+// warned of (W-FLD-012):
 // - where it has three slices or more, and most of its gaps hold others: its own alone cover it;
 // - where it has four or more, and all its gaps are as wide (within 5 % of the first): its own alone cover
 //   it;
