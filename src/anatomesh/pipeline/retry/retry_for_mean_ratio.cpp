@@ -34,7 +34,7 @@ std::uint64_t unforced(const Model& model) {
 
 // The first of two that has a mean as is asked for, or one lower by something; of two that have it, the one
 // with fewer bad cells.
-bool is_better(const Model& model, const Model& other) {
+bool is_more_even(const Model& model, const Model& other) {
     const double mean = model.report.quality.radius_edge.mean;
     const double before = other.report.quality.radius_edge.mean;
     if (before <= most_mean) return mean <= most_mean && unforced(model) < unforced(other);
@@ -64,7 +64,7 @@ Result<RetriedModel> retry_for_mean_ratio(Model model, double size_mm,
         Result<Model> even = build(mean);
         if (!even.ok() && even.error().kind == ErrorKind::cancelled) return even.error();
         if (!even.ok() || !is_no_worse({even.value().report, context.warnings}, first, options) ||
-            !is_better(even.value(), best))
+            !is_more_even(even.value(), best))
             continue;
         taken = std::move(even.value());
         warnings = context.warnings;

@@ -34,17 +34,17 @@ constexpr std::array<RetryRule, 9> table{{
      }},
     {"segments were split, and the best model is hardly bad", NextRun::none,
      [](const RetrySituation& is) {
-         return is.conformed && is.best_hardly_bad && (is.met_limit || is.reduced_effort);
+         return is.conformed && is.best_hardly_bad && (is.met_limit || is.can_do_more);
      }},
     {"a slightly finer run met a limit, so that segments are not to be split", NextRun::same_size,
      [](const RetrySituation& is) { return is.met_limit; }},
-    {"less was done for the shape of cells than can be", NextRun::same_size,
+    {"the same size may be tried with more work", NextRun::same_size,
      [](const RetrySituation& is) {
-         return is.reduced_effort && is.may_same && (is.refused || is.conformed_badly || !is.size_given);
+         return is.can_do_more && is.may_same && (is.refused || is.conformed_badly || !is.size_given);
      }},
     {"all that can be done was done, and the size is free", NextRun::finer,
      [](const RetrySituation& is) {
-         const bool was_tried = is.reduced_effort && (is.refused || is.conformed_badly || !is.size_given);
+         const bool was_tried = is.can_do_more && (is.refused || is.conformed_badly || !is.size_given);
          return !was_tried && !is.size_given && is.may_finer;
      }},
     {"anything else", NextRun::none, [](const RetrySituation&) { return true; }},
@@ -63,19 +63,19 @@ RetrySituation RetryPolicy::situation(const RunOutcome& last, const RunOutcome* 
     RetrySituation is;
     is.size_given = size_given_;
     is.refused = !score.kept_contract && course.size_matters;
-    is.met_limit = course.conformed && conforming_ > 0 && !score.kept_contract && !course.size_matters;
+    is.met_limit = course.conformed && slightly_finer_ > 0 && !score.kept_contract && !course.size_matters;
     is.torn = small && score.torn;
-    is.ill_shaped = small && !size_given_ && !course.reduced_effort && !finer_for_shape_ &&
+    is.ill_shaped = small && !size_given_ && !course.can_do_more && !finer_for_shape_ &&
                     score.over_bound > contract::share_over_bound;
     is.conformed = course.conformed;
-    is.conformed_badly = small && course.reduced_effort && conformed_badly(last);
-    is.reduced_effort = course.reduced_effort;
-    is.few_unforced = course.cells < conforming_below && course.unforced <= most_unforced;
+    is.conformed_badly = small && course.can_do_more && conformed_badly(last);
+    is.can_do_more = course.can_do_more;
+    is.few_unforced = course.cells < slightly_finer_below && course.unforced <= most_unforced;
     is.best_split_segments = best && best->course.conformed && score.kept_contract && !course.conformed &&
                              !is_better(score, best->score);
     is.best_hardly_bad = best && conformed_badly(*best) && !best->score.torn && best->score.bad <= few_bad &&
                          (!best->score.deviates || best->score.farthest <= warned_distance);
-    is.may_slightly_finer = conforming_ < most_conforming;
+    is.may_slightly_finer = slightly_finer_ < most_slightly_finer;
     is.may_same = same_ < most_same;
     is.may_finer = finer_ < most_finer;
     is.was_finer_for_shape = finer_for_shape_;
@@ -87,7 +87,7 @@ NextRun RetryPolicy::next(const RunOutcome& last, const RunOutcome* best) {
     const NextRun next = std::find_if(table.begin(), table.end(), [&](const RetryRule& rule) {
                              return rule.applies(is);
                          })->next;
-    conforming_ += next == NextRun::slightly_finer;
+    slightly_finer_ += next == NextRun::slightly_finer;
     same_ += next == NextRun::same_size && !is.met_limit;
     finer_ += next == NextRun::finer;
     finer_for_shape_ = finer_for_shape_ || (next == NextRun::finer && is.ill_shaped && !is.torn);

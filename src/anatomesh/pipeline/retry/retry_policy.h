@@ -9,7 +9,7 @@
 //
 // The policy is the table RetryPolicy::rules() in retry_policy.cpp: the first row that applies decides.
 //
-// Guarantees: at most `most_finer` finer runs and `most_conforming` slightly finer ones; `most_same` of one size, and
+// Guarantees: at most `most_finer` finer runs and `most_slightly_finer` slightly finer ones; `most_same` of one size, and
 // one more where a slightly finer run met a limit. O(rows).
 #pragma once
 
@@ -30,12 +30,12 @@ struct RetrySituation {
     bool refused = false;    // it broke the contract in a way that an edge length may mend
     bool met_limit = false;  // a slightly finer one broke it in another way
     bool torn = false;       // it is small enough to be built again, and a wall is torn
-    // It is small enough, too many cells are above the radius-edge ratio, and that with a default size, full effort,
-    // and no finer run made for shapes before.
+    // It is small enough, too many cells are above the radius-edge ratio, and that with a default size, nothing
+    // more to do at this one, and no finer run made for shapes before.
     bool ill_shaped = false;
     bool conformed = false;        // it split contour segments for each other's sake
-    bool conformed_badly = false;  // the same, at reduced effort, and that left bad cells or bumps
-    bool reduced_effort = false;   // less was done for the shape of cells than can be
+    bool conformed_badly = false;  // the same, more can be done, and that left bad cells or bumps
+    bool can_do_more = false;      // the same size may be tried with more work
     bool few_unforced = false;     // it is small, and few ill-shaped cells are there that nothing forces
     // Of the best run so far, which split contour segments.
     bool best_split_segments = false;  // it is another one than the last, which did not split them
@@ -58,11 +58,11 @@ class RetryPolicy {
     // So many runs may have the size of the one before and other work. [runs; 0 to 10; B]
     static constexpr std::size_t most_same = 4;
     // So many runs may be slightly finer. [runs; 0 to 10; B, one for each of slightly_finer_sizes]
-    static constexpr std::size_t most_conforming = 4;
+    static constexpr std::size_t most_slightly_finer = 4;
     // A model that keeps the contract is built again below this. [cells; > 0; B, such a run takes about a minute]
     static constexpr std::size_t again_below = 800000;
     // One that split segments and is bad is built slightly finer below this. [cells; > 0; B]
-    static constexpr std::size_t conforming_below = 100000;
+    static constexpr std::size_t slightly_finer_below = 100000;
 
     // `size_given`: the edge length is the user's, and stays.
     explicit RetryPolicy(bool size_given) : size_given_(size_given) {}
@@ -74,18 +74,19 @@ class RetryPolicy {
     NextRun next(const RunOutcome& last, const RunOutcome* best);
 
     // Of the slightly finer runs so far.
-    std::size_t slightly_finer() const { return conforming_; }
+    std::size_t slightly_finer() const { return slightly_finer_; }
 
   private:
     RetrySituation situation(const RunOutcome& last, const RunOutcome* best) const;
 
     bool size_given_, finer_for_shape_ = false;
-    std::size_t finer_ = 0, same_ = 0, conforming_ = 0;
+    std::size_t finer_ = 0, same_ = 0, slightly_finer_ = 0;
 };
 
 // Edge lengths of slightly finer runs, in those of the first that split segments: other luck at little cost.
 // [edge lengths; 0 to 1; M 2026-11, docs/experiments/2026-11-28-retries.md]
-inline constexpr std::array<double, RetryPolicy::most_conforming> slightly_finer_sizes{0.9, 0.8, 0.7, 0.56};
+inline constexpr std::array<double, RetryPolicy::most_slightly_finer> slightly_finer_sizes{0.9, 0.8, 0.7,
+                                                                                           0.56};
 
 // Whether a run split segments for each other's sake and that left bad cells, or bumps between dense planes.
 bool conformed_badly(const RunOutcome& outcome);

@@ -12,14 +12,14 @@ namespace {
 
 const RunOutcome good{{.kept_contract = true, .over_bound = 0.001}, {.cells = 100000}};
 const RunOutcome broken{{}, {.size_matters = true}};
-const RunOutcome broken_spared{{}, {.size_matters = true, .reduced_effort = true}};
+const RunOutcome broken_spared{{}, {.size_matters = true, .can_do_more = true}};
 const RunOutcome ill_shaped{{.kept_contract = true, .over_bound = 0.0055}, {.cells = 100000}};
 const RunOutcome torn{{.kept_contract = true, .torn = true, .over_bound = 0.001}, {.cells = 100000}};
 // Contour segments were split for each other's sake.
 const RunOutcome broken_conformed{
-    {}, {.size_matters = true, .reduced_effort = true, .conformed = true, .cells = 50000}};
+    {}, {.size_matters = true, .can_do_more = true, .conformed = true, .cells = 50000}};
 const RunOutcome bad_conformed{{.kept_contract = true, .over_bound = 0.001, .bad = 1e-3},
-                               {.reduced_effort = true, .conformed = true, .cells = 50000}};
+                               {.can_do_more = true, .conformed = true, .cells = 50000}};
 
 RunOutcome with_cells(RunOutcome outcome, std::size_t cells) {
     outcome.course.cells = cells;
@@ -51,13 +51,13 @@ TEST(RetryPolicy, OfEveryOutcomeTheTriesEnd) {
                                   .over_bound = bits & 16 ? 0.5 : 0.0,
                                   .bad = bits & 64 ? 0.1 : 0.0},
                                  {.size_matters = (bits & 2) != 0,
-                                  .reduced_effort = (bits & 4) != 0,
+                                  .can_do_more = (bits & 4) != 0,
                                   .conformed = (bits & 128) != 0,
                                   .cells = bits & 32 ? RetryPolicy::again_below : std::size_t{10}}};
         for (const bool given : {false, true}) {
             const std::vector<NextRun> runs = all_runs(outcome, given);
             EXPECT_LE(runs.size(),
-                      RetryPolicy::most_finer + RetryPolicy::most_same + RetryPolicy::most_conforming + 1)
+                      RetryPolicy::most_finer + RetryPolicy::most_same + RetryPolicy::most_slightly_finer + 1)
                 << bits;
             if (!given) continue;
             for (const NextRun next : runs)
@@ -74,12 +74,12 @@ TEST(RetryPolicy, EachRuleOfTheTableDecidesSomewhere) {
         {.refused = true, .may_finer = true, .was_finer_for_shape = true},
         {.refused = true,
          .conformed = true,
-         .reduced_effort = true,
+         .can_do_more = true,
          .few_unforced = true,
          .may_slightly_finer = true},
-        {.conformed = true, .conformed_badly = true, .reduced_effort = true, .best_hardly_bad = true},
+        {.conformed = true, .conformed_badly = true, .can_do_more = true, .best_hardly_bad = true},
         {.met_limit = true, .conformed = true},
-        {.refused = true, .reduced_effort = true, .may_same = true},
+        {.refused = true, .can_do_more = true, .may_same = true},
         {.torn = true, .may_finer = true},
         {.torn = true},
     };
@@ -110,7 +110,7 @@ TEST(RetryPolicy, WhatIsBadAfterSplittingIsCellsOrBumps) {
 TEST(RetryPolicy, WhatConformedBadlyIsTriedSlightlyFinerAndOnlyThenWithoutThat) {
     for (const RunOutcome& bad : {broken_conformed, bad_conformed}) {
         RetryPolicy policy(false);
-        for (std::size_t n = 1; n <= RetryPolicy::most_conforming; ++n) {
+        for (std::size_t n = 1; n <= RetryPolicy::most_slightly_finer; ++n) {
             EXPECT_EQ(next_after(policy, bad), NextRun::slightly_finer);
             EXPECT_EQ(policy.slightly_finer(), n);
         }
@@ -136,7 +136,7 @@ TEST(RetryPolicy, WhatConformedBadlyAndIsLargeOrOfAGivenSizeIsBuiltWithoutThatAt
     for (const RunOutcome& bad : {broken_conformed, bad_conformed}) {
         RetryPolicy given(true), large(false), unlucky(false);
         EXPECT_EQ(next_after(given, bad), NextRun::same_size);
-        EXPECT_EQ(next_after(large, with_cells(bad, RetryPolicy::conforming_below)), NextRun::same_size);
+        EXPECT_EQ(next_after(large, with_cells(bad, RetryPolicy::slightly_finer_below)), NextRun::same_size);
         RunOutcome full = bad;
         full.course.unforced = 0.011;
         EXPECT_EQ(next_after(unlucky, full), NextRun::same_size);
@@ -187,7 +187,7 @@ TEST(RetryPolicy, WhereTheBestModelSplitSegmentsNoFinerOneIsTriedWithoutThat) {
 TEST(RetryPolicy, WhatIsHardlyBadIsNotTriedWithoutItsContours) {
     for (const bool deviates : {false, true}) {
         const auto after = [&](auto change) {
-            RunOutcome best = with_cells(bad_conformed, RetryPolicy::conforming_below);
+            RunOutcome best = with_cells(bad_conformed, RetryPolicy::slightly_finer_below);
             best.score.bad = 1e-4;
             best.score.deviates = deviates;
             best.score.farthest = 0.5;

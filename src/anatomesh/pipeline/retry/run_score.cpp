@@ -65,7 +65,7 @@ RunOutcome outcome_of(const Result<Model>& model, const ModelReport& report, con
     RunOutcome outcome;
     RunScore& score = outcome.score;
     RunCourse& course = outcome.course;
-    course.reduced_effort = facts.reduced_effort;
+    course.can_do_more = facts.can_do_more;
     course.conformed = facts.conformed;
     course.contradicted = facts.contradicted;
     course.cells = facts.cells;

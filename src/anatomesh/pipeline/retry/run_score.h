@@ -31,12 +31,12 @@ struct RunScore {
 
 // What says, beside the score, whether another run may do better. It is known of refused runs as well.
 struct RunCourse {
-    bool size_matters = false;    // the contract is broken in a way that another edge length may mend
-    bool reduced_effort = false;  // less was done for the shape of cells than can be
-    bool conformed = false;       // contour segments were split for each other's sake
-    bool contradicted = false;    // slices draw otherwise than those that they cross, or it is not known
-    double unforced = 0;          // share of ill-shaped cells that nothing forces, in [0, 1]
-    std::size_t cells = 0;        // as far as the run came
+    bool size_matters = false;  // the contract is broken in a way that another edge length may mend
+    bool can_do_more = false;   // the same size may be tried with more work
+    bool conformed = false;     // contour segments were split for each other's sake
+    bool contradicted = false;  // slices draw otherwise than those that they cross, or it is not known
+    double unforced = 0;        // share of ill-shaped cells that nothing forces, in [0, 1]
+    std::size_t cells = 0;      // as far as the run came
 };
 
 struct RunOutcome {
@@ -46,9 +46,9 @@ struct RunOutcome {
 
 // What a run knows of itself beside its report.
 struct RunFacts {
-    double size_mm = 0;           // the edge length aimed at
-    std::size_t cells = 0;        // as far as it came
-    bool reduced_effort = false;  // these as in RunCourse and RunScore
+    double size_mm = 0;        // the edge length aimed at
+    std::size_t cells = 0;     // as far as it came
+    bool can_do_more = false;  // these as in RunCourse and RunScore
     bool conformed = false;
     bool torn = false;
     bool deviates = false;

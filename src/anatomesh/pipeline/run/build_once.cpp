@@ -222,9 +222,8 @@ RunOutcome outcome_of_run(const RunState& run, const Result<Model>& model) {
     RunFacts facts;
     facts.size_mm = run.size_mm();
     facts.cells = model.ok() ? model.value().mesh.cells.size() : cells_so_far(run);
-    // The same size is to be tried again with all that can be done.
-    facts.reduced_effort =
-        effort.reduced || recovered || (run.growing && run.growing->subsegments.are_short());
+    // The same size may be tried with more work.
+    facts.can_do_more = effort.reduced || recovered || (run.growing && run.growing->subsegments.are_short());
     facts.conformed = effort.conforming;
     facts.segments_missed = run.routed.segments_missed;
     facts.has_segments_beside = run.routed.has_segments_beside;
