@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -47,7 +49,7 @@ struct BestModel {
     RunConfig config;
     std::vector<Warning> warnings;
     Made made;
-    std::size_t run = 0;  // which run made it, from 1
+    std::size_t run = 0;  // how many runs were made when it became the best
 };
 
 // Tries until a model is as good as it can be.
@@ -163,6 +165,7 @@ class RetryDriver {
 
     BuiltOnce build(const StageObserver& observer) {
         BuiltOnce built = build_once(contours_, config_, context_, observer, known_);
+        if (observer) shown_is_another_ = false;
         known_ = built.known;
         work_.add(built.work);
         sizes_.push_back(built.size_mm);
@@ -219,16 +222,22 @@ class RetryDriver {
 
     Result<Model> retried(Model model) {
         const std::size_t warnings = known_.warnings;
+        std::map<double, Made> made;  // by target mean ratio
         const auto build_again = [&](double target_mean_ratio) {
             context_.warnings.resize(warnings);
             config_.target_mean_ratio = target_mean_ratio;
-            return build({}).model;
+            BuiltOnce built = build({});
+            made[target_mean_ratio] = {built.outcome, built.size_mm};
+            return std::move(built.model);
         };
         const double first = config_.target_mean_ratio;
         ANATOMESH_TRY(RetriedModel even,
                       retry_for_mean_ratio(std::move(model), taken_.size_mm, build_again, context_));
         config_.target_mean_ratio = even.target_mean_ratio.value_or(first);
-        shown_is_another_ = shown_is_another_ || even.target_mean_ratio.has_value();
+        if (even.target_mean_ratio) {
+            taken_ = made.at(*even.target_mean_ratio);
+            shown_is_another_ = true;
+        }
         return std::move(even.model);
     }
 
@@ -311,10 +320,10 @@ class RetryDriver {
     std::string sought_;  // what the last run was made for
     Made taken_;          // of the model to be returned
     std::size_t count_ = 0;
-    WorkReport work_;            // of all runs
-    std::vector<double> sizes_;  // of all runs
-    double first_size_mm_ = 0;   // of runs that conform, before slightly finer ones
-    bool shown_is_another_ = false;
+    WorkReport work_;                // of all runs
+    std::vector<double> sizes_;      // of all runs
+    double first_size_mm_ = 0;       // of runs that conform, before slightly finer ones
+    bool shown_is_another_ = false;  // the run that was shown last is not the one that is taken
 };
 
 }  // namespace

@@ -193,6 +193,40 @@ TEST(Certificate, cuts_that_are_grossly_amiss_break_clause_2_and_the_structure_a
     EXPECT_EQ(report.structures[0].fidelity.segments_on_surface, 12u);
 }
 
+TEST(Certificate, a_grossly_wrong_structure_is_found_beside_a_right_one_of_the_same_name) {
+    // A plate of one brick in four, of which a quarter is missing, beside a block that is as drawn.
+    const TetMesh mesh = testing::brick_mesh({4, 4, 4}, [](int i, int j, int) {
+        return Region(i < 3 ? 1 : j == 1 ? 0 : 2);
+    });
+    const std::vector<Structure> structures{{7, "block", {1, 2, 3}}, {8, "block", {1, 2, 3}}};
+    ContourSet contours;
+    contours.structures = structures;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+        const double z = k + 1;
+        Slice slice;
+        slice.plane = make_plane({0, 0, z}, {0, 0, 1});
+        slice.first_contour = 2 * k;
+        slice.contour_count = 2;
+        contours.slices.push_back(slice);
+        for (std::uint32_t s = 0; s < 2; ++s) {
+            contours.contours.push_back({s, k, 8 * k + 4 * s, 4});
+            const double low = s == 0 ? 0 : 3, high = s == 0 ? 3 : 4;
+            for (const Vec2 p : {Vec2{low, 0}, Vec2{high, 0}, Vec2{high, 4}, Vec2{low, 4}})
+                contours.points.push_back({p.x, p.y, z});
+        }
+    }
+    ModelReport report;
+    RunContext context;
+    const RegionTable regions{{{}, {0}, {1}}};
+    measure_model({mesh, regions, structures, &contours}, context, report);
+    EXPECT_EQ(report.certificate[1].state, ClauseState::broken);
+    EXPECT_NE(report.certificate[1].evidence.find("25.0 % of the drawn area of block are wrong"),
+              std::string::npos)
+        << report.certificate[1].evidence;
+    EXPECT_NE(report.certificate[1].evidence.find("slice 0: 1.00 of 4.00 mm2"), std::string::npos)
+        << report.certificate[1].evidence;
+}
+
 TEST(Certificate, a_volume_off_by_more_than_its_bound_breaks_clause_6) {
     EXPECT_EQ(Case().measure(true, {64.1}).certificate[5].state, ClauseState::kept);
     EXPECT_EQ(Case().measure(true, {64.2}).certificate[5].state, ClauseState::broken);

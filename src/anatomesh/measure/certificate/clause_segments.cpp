@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -119,23 +118,31 @@ std::string segments_text(const ContourFindings& findings, const ModelReport& re
 }
 
 // The structure whose cross-sections by all slices together are farthest from what is drawn, where that is gross.
-std::string gross_cuts_text(const ModelReport& report) {
-    std::map<std::string, std::array<double, 2>> areas;  // of a structure: drawn, amiss
-    for (const SliceSectionReport& section : report.contours.sections) {
-        areas[section.structure][0] += section.drawn_mm2;
-        areas[section.structure][1] += section.difference_mm2;
+// Several may have one name, so they go by their place among the contours' structures.
+std::string gross_cuts_text(const ContourFindings& findings, const ModelReport& report) {
+    const std::vector<SliceSectionReport>& sections = report.contours.sections;
+    struct Areas {
+        std::string name;
+        double drawn = 0, amiss = 0;
+    };
+    std::map<std::uint32_t, Areas> areas;
+    for (std::size_t n = 0; n < sections.size(); ++n) {
+        Areas& area = areas[findings.structure_of[n]];
+        area.name = sections[n].structure;
+        area.drawn += sections[n].drawn_mm2;
+        area.amiss += sections[n].difference_mm2;
     }
     std::string text;
     double worst = contract::gross_section_share;
-    for (const auto& [name, area] : areas) {
-        if (area[1] <= worst * area[0]) continue;
-        if (area[0] > 0) worst = area[1] / area[0];
-        const auto of_it = [&, n = &name](const SliceSectionReport& section) {
-            return section.structure == *n;
+    for (const auto& [structure, area] : areas) {
+        if (area.amiss <= worst * area.drawn) continue;
+        if (area.drawn > 0) worst = area.amiss / area.drawn;
+        const auto of_it = [&, s = structure](const SliceSectionReport& section) {
+            return findings.structure_of[static_cast<std::size_t>(&section - sections.data())] == s;
         };
-        text = "of all slices together " + percent_text(area[1], area[0], 1) + " of the drawn area of " +
-               name + " are wrong, more than " + percent_text(contract::gross_section_share, 1, 0) +
-               " (most on " +
+        text = "of all slices together " + percent_text(area.amiss, area.drawn, 1) +
+               " of the drawn area of " + area.name + " are wrong, more than " +
+               percent_text(contract::gross_section_share, 1, 0) + " (most on " +
                worst_places(
                    report, of_it, [](const SliceSectionReport& section) { return section.difference_mm2; },
                    [](const SliceSectionReport& section) {
@@ -163,7 +170,7 @@ Clause clause_segments(const CertificateInput& input, const ContourFindings& fin
         clause.state = ClauseState::kept;
         return clause;
     }
-    const std::string gross = gross_cuts_text(report);
+    const std::string gross = gross_cuts_text(findings, report);
     if (!gross.empty()) clause.state = ClauseState::broken;
     clause.evidence = "measured, not met: " + gross + clause.evidence;
     return clause;

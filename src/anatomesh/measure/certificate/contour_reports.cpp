@@ -12,10 +12,12 @@ namespace anatomesh {
 namespace {
 
 // Where a structure is not drawn, cross-sections are listed that are more than the tolerance of what it has on a slice.
-// `segments_missed`: by contour of `kept`.
-void list_sections(const ContourSet& contours, const std::vector<SliceSection>& sections,
-                   const ContourSet& kept, const std::vector<std::uint32_t>& segments_missed,
-                   ModelReport& report) {
+// `segments_missed`: by contour of `kept`. Returns the structure of each that is listed, which names may not tell.
+std::vector<std::uint32_t> list_sections(const ContourSet& contours,
+                                         const std::vector<SliceSection>& sections, const ContourSet& kept,
+                                         const std::vector<std::uint32_t>& segments_missed,
+                                         ModelReport& report) {
+    std::vector<std::uint32_t> structure_of;
     std::vector<double> drawn(contours.structures.size(), 0), slices(drawn);
     for (const SliceSection& section : sections) {
         drawn[section.structure] += section.drawn;
@@ -38,7 +40,9 @@ void list_sections(const ContourSet& contours, const std::vector<SliceSection>& 
             if (kept.contours[c].structure == section.structure) entry.segments_missed += segments_missed[c];
         }
         report.contours.sections.push_back(std::move(entry));
+        structure_of.push_back(section.structure);
     }
+    return structure_of;
 }
 
 SliceCoverage coverage_of_slices(const ContourSet& contours) {
@@ -93,9 +97,9 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
     findings.vertex_of = input.on_surface
                              ? contour_fidelity(input.mesh.points, of_contours, contours).vertex_of
                              : std::move(fidelity.vertex_of);
-    list_sections(contours,
-                  slice_sections(input.mesh.points, of_contours, contours, coverage, findings.vertex_of),
-                  kept, fidelity.segments_missed, report);
+    findings.structure_of = list_sections(
+        contours, slice_sections(input.mesh.points, of_contours, contours, coverage, findings.vertex_of),
+        kept, fidelity.segments_missed, report);
     return findings;
 }
 

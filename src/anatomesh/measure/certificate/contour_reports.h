@@ -15,6 +15,7 @@ struct ContourFindings {
     StructureFidelity all;
     std::uint64_t contradicted = 0;  // of the segments missed
     std::vector<std::uint32_t> vertex_of;
+    std::vector<std::uint32_t> structure_of;  // of each of report.contours.sections, in the contours
 };
 
 // Fills report.counts of contours, contours.sections, contours.sections_not_drawn, of parallel slices

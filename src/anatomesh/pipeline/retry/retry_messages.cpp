@@ -4,10 +4,20 @@
 
 namespace anatomesh {
 
+namespace {
+
+// Whether segments were split and that left bumps alone, no bad cell.
+bool has_bumps_alone(const RunOutcome& outcome) {
+    return conformed_badly(outcome) && outcome.score.bad == 0;
+}
+
+}  // namespace
+
 Warning built_again(NextRun next, const RunOutcome& outcome, const std::string& error, double size_mm) {
     // Of a message up to the figures, which are of a model that nobody gets.
-    const std::string reason = !error.empty()       ? error.substr(0, error.find(" ("))
-                               : outcome.score.torn ? "a thin wall had holes"
+    const std::string reason = !error.empty()             ? error.substr(0, error.find(" ("))
+                               : outcome.score.torn       ? "a thin wall had holes"
+                               : has_bumps_alone(outcome) ? "the surface had bumps between dense planes"
                                : conformed_badly(outcome)
                                    ? "a tetrahedron had a bad shape without a reason in the contours"
                                    : "too many tetrahedra had a radius-edge ratio above 2";
@@ -20,8 +30,12 @@ Warning built_again(NextRun next, const RunOutcome& outcome, const std::string& 
 }
 
 std::string sought_by(NextRun next, const RunOutcome& outcome) {
+    const char* sake = !outcome.score.kept_contract ? "the certificate"
+                       : outcome.score.torn         ? "torn walls"
+                       : has_bumps_alone(outcome)   ? "bumps between dense planes"
+                                                    : "ill-shaped tetrahedra";
     return std::string(next != NextRun::same_size ? "a shorter edge length" : "another way to build it") +
-           " for the sake of " + (outcome.score.torn ? "torn walls" : "ill-shaped tetrahedra");
+           " for the sake of " + sake;
 }
 
 }  // namespace anatomesh

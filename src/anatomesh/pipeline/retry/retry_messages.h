@@ -12,7 +12,7 @@ namespace anatomesh {
 // is no model, else empty. Requires: next is not none.
 Warning built_again(NextRun next, const RunOutcome& outcome, const std::string& error, double size_mm);
 
-// What is tried next and for what sake, of a model that keeps the contract.
+// What is tried next and for what sake.
 std::string sought_by(NextRun next, const RunOutcome& outcome);
 
 }  // namespace anatomesh

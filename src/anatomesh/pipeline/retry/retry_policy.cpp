@@ -43,10 +43,7 @@ constexpr std::array<RetryRule, 9> table{{
          return is.can_do_more && is.may_same && (is.refused || is.conformed_badly || !is.size_given);
      }},
     {"all that can be done was done, and the size is free", NextRun::finer,
-     [](const RetrySituation& is) {
-         const bool was_tried = is.can_do_more && (is.refused || is.conformed_badly || !is.size_given);
-         return !was_tried && !is.size_given && is.may_finer;
-     }},
+     [](const RetrySituation& is) { return !is.can_do_more && !is.size_given && is.may_finer; }},
     {"anything else", NextRun::none, [](const RetrySituation&) { return true; }},
 }};
 
