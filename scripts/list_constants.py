@@ -141,7 +141,7 @@ def page(found):
     unrecorded = collections.Counter(constant.tag["kind"] for constant in found if NOT_RECORDED in constant.tag["source"])
     lines = ["# Named numbers", "",
              "This page lists the numbers that decide what the program does: what each is, where it is from, and what it decides. "
-             "`scripts/list_constants.py --write` makes it of the comments beside the numbers, so change those. A test compares both.", "",
+             "`scripts/list_constants.py` makes it of the comments beside the numbers, so change those. A test compares both.", "",
              "| source | meaning | numbers |", "|---|---|---:|",
              f"| C | The contract: documents and `base/contract.h` say the number to users. | {kinds['C']} |",
              f"| P | A paper gives it. | {kinds['P']} |",
