@@ -295,7 +295,8 @@ Result<RawImage> read_metaimage(const InputFile& file, std::span<const std::byte
     } else {
         ANATOMESH_TRY(raw.geometry, geometry_of(header, shape, path, options, context));
     }
-    ANATOMESH_TRY(const std::uint64_t volume, chosen_volume(shape.layout.volumes, path, options));
+    ANATOMESH_TRY(const std::uint64_t volume,
+                  chosen_volume(shape.layout.volumes, path, options, shape.channels));
 
     const std::string_view data_name = header.get("ElementDataFile");
     if (lower_case(data_name) == "local") {

@@ -96,8 +96,21 @@ Status check_length(std::uint64_t claimed, std::uint64_t available, const std::s
 }
 
 Result<std::uint64_t> chosen_volume(std::uint64_t volumes, const std::string& path,
-                                    const ReadImageOptions& options) {
+                                    const ReadImageOptions& options, std::uint64_t channels) {
     if (volumes == 1 && !options.volume) return std::uint64_t{0};
+    if (!options.volume && channels > 1)
+        return image_error(
+            "E-IMG-008",
+            fmt::format(
+                "each pixel of the image has {} channels, as in colour images; the program reads one grey "
+                "value",
+                channels),
+            path, "",
+            fmt::format(
+                "convert the image to grey, or choose a channel with --volume N (0 is the first: red){}",
+                volumes > channels ? fmt::format("; N up to {} counts the channels of all {} volumes",
+                                                 volumes - 1, volumes / channels)
+                                   : ""));
     if (!options.volume)
         return image_error("E-IMG-008", fmt::format("the image holds {} volumes", volumes), path, "",
                            fmt::format("choose one with --volume N, 0 to {}", volumes - 1));

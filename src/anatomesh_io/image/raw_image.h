@@ -75,9 +75,10 @@ Result<std::uint64_t> claimed_bytes(const ClaimedLayout& layout, const std::stri
 Status check_length(std::uint64_t claimed, std::uint64_t available, const std::string& path,
                     RunContext& context);
 
-// Which volume to read. Errors: E-IMG-008 several and none chosen, E-IMG-009 no such volume.
+// Which volume to read. `volumes` counts each of the `channels` of a pixel as one. Errors: E-IMG-008 several
+// volumes or channels and none chosen, E-IMG-009 no such volume.
 Result<std::uint64_t> chosen_volume(std::uint64_t volumes, const std::string& path,
-                                    const ReadImageOptions& options);
+                                    const ReadImageOptions& options, std::uint64_t channels = 1);
 
 // E-IMG-006 a number that is not finite or a corner beyond 1e7 mm, E-IMG-007 steps that span no volume.
 Status check_geometry(const ImageGeometry& geometry, const std::string& path);

@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "anatomesh/geom/numbers.h"
 #include "anatomesh/image/components.h"
@@ -17,7 +18,7 @@ namespace anatomesh {
 namespace {
 
 constexpr std::string_view frame_prefix = "Seq_Frame", transform_suffix = "Transform",
-                           status_suffix = "TransformStatus";
+                           status_suffix = "TransformStatus", image_status = "ImageStatus";
 
 // Lengths and cosines of a rotation may be so far off 1 and 0, because headers have six digits.
 // [1; 0 to 0.1; D digits of files]
@@ -92,11 +93,12 @@ struct Transform {
 };
 using Transforms = std::map<Name, Transform>;
 
-// What a key says: of which frame (nothing: of all), and of which transform the matrix or the status.
+// What a key says: of which frame (nothing: of all), and of which transform the matrix or the status, or the
+// status of the frame's pixels.
 struct Key {
     std::optional<std::uint64_t> frame;
     Name name;
-    bool is_status = false;
+    bool is_status = false, is_of_pixels = false;
 };
 std::optional<Key> key_of(std::string_view text) {
     Key key;
@@ -108,6 +110,10 @@ std::optional<Key> key_of(std::string_view text) {
         if (!number || *number < 0) return std::nullopt;
         key.frame = static_cast<std::uint64_t>(*number);
         text.remove_prefix(bar + 1);
+    }
+    if (key.frame && text == image_status) {
+        key.is_of_pixels = true;
+        return key;
     }
     key.is_status = text.ends_with(status_suffix);
     if (!key.is_status && !text.ends_with(transform_suffix)) return std::nullopt;
@@ -127,6 +133,10 @@ class PoseReader {
             if (key == "UltrasoundImageOrientation") orientation_ = value;
             const auto found = key_of(key);
             if (!found || (found->frame && *found->frame >= sizes[2])) continue;
+            if (found->is_of_pixels) {
+                if (value != "OK") without_pixels_.insert(*found->frame);
+                continue;
+            }
             Transform& transform = (found->frame ? of_frame_[*found->frame] : of_all_)[found->name];
             if (found->is_status)
                 transform.is_ok = value == "OK";
@@ -142,6 +152,7 @@ class PoseReader {
         ANATOMESH_TRY(const Affine upright, image_orientation());
         std::vector<FramePose> poses;
         for (const auto& [number, transforms] : of_frame_) {
+            if (without_pixels_.contains(number)) continue;
             const auto frame = static_cast<std::uint32_t>(number);
             ANATOMESH_TRY(const std::optional<Affine> pose, pose_of(frame, transforms, way));
             if (!pose) continue;
@@ -149,12 +160,9 @@ class PoseReader {
             poses.push_back(placed);
         }
         if (poses.empty())
-            return failure("E-TRK-004", "no frame of the sequence has a pose", "",
+            return failure("E-TRK-004", "no frame of the sequence has both a pose and an image", "",
                            "record it again with the tools in sight of the tracker");
-        if (poses.size() < sizes_[2])
-            context_.warn(image_warning("W-TRK-001", "frames of the sequence have no pose", path_,
-                                        fmt::format("{} of {}", sizes_[2] - poses.size(), sizes_[2]),
-                                        "they were left out"));
+        warn_of_left_out(sizes_[2] - poses.size());
         if (!options_.frame)
             context_.warn(image_warning(
                 "W-TRK-002", "the poses of the frames do not refer to the axes of a patient", path_, target_,
@@ -171,6 +179,17 @@ class PoseReader {
     Error failure(const char* code, const std::string& message, const std::string& value,
                   const std::string& next) const {
         return image_error(code, message, path_, shown(value), next);
+    }
+
+    void warn_of_left_out(std::uint64_t frames) const {
+        if (frames == 0) return;
+        const std::uint64_t blank = without_pixels_.size(), lost = frames - blank;
+        const std::string no_image = "no image (ImageStatus is not OK)";
+        const std::string lacks = blank == 0  ? "no pose"
+                                  : lost == 0 ? no_image
+                                              : fmt::format("no pose ({}) or {} ({})", lost, no_image, blank);
+        context_.warn(image_warning("W-TRK-001", "frames of the sequence have " + lacks, path_,
+                                    fmt::format("{} of {}", frames, sizes_[2]), "they were left out"));
     }
 
     // The shortest way from Image to the target over the transforms there are and their inverses.
@@ -316,6 +335,7 @@ class PoseReader {
     std::map<std::uint64_t, Transforms> of_frame_;
     Transforms of_all_;
     std::map<Name, bool> names_;
+    std::set<std::uint64_t> without_pixels_;
     std::string orientation_, target_;
 };
 
@@ -358,7 +378,8 @@ class SliceJoiner {
 
 bool has_tracked_frames(const KeyValues& keys) {
     return std::any_of(keys.begin(), keys.end(), [](const auto& pair) {
-        return pair.first.starts_with(frame_prefix) && key_of(pair.first).has_value();
+        const auto key = pair.first.starts_with(frame_prefix) ? key_of(pair.first) : std::nullopt;
+        return key && !key->is_of_pixels;
     });
 }
 

@@ -24,12 +24,12 @@ bool has_tracked_frames(const KeyValues& keys);
 // frame (and of those given for all frames) that lead from Image to the target: options.pose_to, else the
 // first there is a way to of Reference, Tracker, World. A pixel is its column and row, from 0, in the
 // orientation that UltrasoundImageOrientation MF means; others are mirrored accordingly. Frames are left out
-// whose status is not OK or whose transform is missing, and counted.
+// whose pose or pixels have a status that is not OK, or whose transform is missing, and counted.
 // Errors: E-TRK-001 no way from Image to the target, with the transforms there are; E-TRK-002 a transform
 // that is not 16 finite numbers, or projective; E-TRK-003 a pose whose axes span no plane, are not at right
 // angles, or that lies beyond 1e7 mm, or a transform between tools that is no rotation within 0.005;
-// E-TRK-004 no frame has a pose; E-TRK-005 without options.tracked; E-TRK-006 an orientation that is not
-// known; E-TRK-007 a transform that mirrors. Warnings: W-TRK-001 frames without a pose were left out;
+// E-TRK-004 no frame has a pose and pixels; E-TRK-005 without options.tracked; E-TRK-006 an orientation that is not
+// known; E-TRK-007 a transform that mirrors. Warnings: W-TRK-001 frames without a pose or pixels were left out;
 // W-TRK-002 the axes of the target are not the patient's as far as the file tells (without options.frame).
 Result<std::vector<FramePose>> read_poses(const KeyValues& keys, const std::array<std::uint64_t, 3>& sizes,
                                           const std::string& path, const ReadImageOptions& options,

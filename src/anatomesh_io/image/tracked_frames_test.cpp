@@ -146,6 +146,38 @@ TEST(TrackedFrames, orientations_of_the_image) {
     EXPECT_EQ(read_bytes(sequence.metaimage(), tracked()).code, "E-TRK-006");
 }
 
+// PLUS reads no pixels of such frames: what is stored there is left over from others.
+TEST(TrackedFrames, frames_without_an_image_are_left_out) {
+    for (unsigned invalid = 0; invalid < 16; ++invalid) {
+        Sequence sequence;
+        std::vector<std::uint32_t> rest;
+        for (std::uint32_t f = 0; f < 4; ++f) {
+            const bool is_invalid = (invalid >> f & 1) != 0;
+            sequence.more += "Seq_Frame000" + std::to_string(f) +
+                             "_ImageStatus = " + (is_invalid ? "INVALID" : "OK") + "\n";
+            if (!is_invalid) rest.push_back(f);
+        }
+        const Outcome outcome = read_bytes(sequence.metaimage(), tracked());
+        if (rest.empty()) {
+            EXPECT_EQ(outcome.code, "E-TRK-004");
+            continue;
+        }
+        ASSERT_TRUE(outcome.ok()) << to_line(outcome.error);
+        std::vector<std::uint32_t> read;
+        for (const FramePose& pose : outcome.loaded.poses) read.push_back(pose.frame);
+        EXPECT_EQ(read, rest) << invalid;
+        EXPECT_EQ(outcome.warned("W-TRK-001"), invalid != 0);
+    }
+}
+
+TEST(TrackedFrames, colour_frames_are_said_to_be_so) {
+    Sequence sequence;
+    sequence.more = "UltrasoundImageType = RGB_COLOR\nElementNumberOfChannels = 3\n";
+    const Outcome outcome = read_bytes(sequence.metaimage(), tracked());
+    EXPECT_EQ(outcome.code, "E-IMG-008");
+    EXPECT_NE(outcome.error.message.find("3 channels"), std::string::npos) << outcome.error.message;
+}
+
 TEST(TrackedFrames, frames_without_a_pose_are_left_out_and_wrong_ones_refused) {
     Sequence sequence;
     sequence.status[1] = "INVALID";
