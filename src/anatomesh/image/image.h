@@ -41,6 +41,9 @@ struct LabelMap {
     std::vector<std::uint16_t> voxels;
     std::vector<Structure> structures;  // number = the label value in the file; sorted by number
     std::string source;
+    // Whether the image itself ends before the first and after the last slice, so that a structure there may be
+    // cut; else slices beyond are empty.
+    std::array<bool, 2> ends_at_image = {true, true};
 };
 
 }  // namespace anatomesh

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -17,6 +18,7 @@
 #include "anatomesh_io/dicom/lab_color.h"
 #include "anatomesh_io/dicom/object.h"
 #include "anatomesh_io/dicom/pixels.h"
+#include "anatomesh_io/dicom/segmentation_grid.h"
 #include "anatomesh_io/dicom/tags.h"
 
 namespace anatomesh {
@@ -190,6 +192,10 @@ class SegmentationReader {
             {format_.columns, format_.rows, slices_},
             frames_[first].position,
             {frames_[0].spacing[0] * frames_[0].row, frames_[0].spacing[1] * frames_[0].column, step}};
+        // Planes that are empty are not stored, so that the last one stored need not be the last of the image.
+        const std::vector<double> images = heights_of_images();
+        ends_at_image_ = {!images.empty() && height(first) < images.front() + spacing / 2,
+                          !images.empty() && height(last) > images.back() - spacing / 2};
         if (std::uint64_t{format_.columns} * format_.rows * slices_ > options_.max_voxels)
             return too_large(fmt::format("{} x {} x {} voxels", format_.columns, format_.rows, slices_));
         return check_frames_once();
@@ -201,34 +207,53 @@ class SegmentationReader {
         return found;
     }
 
-    // The stated spacing where the planes agree with it, else the smallest distance of two of them.
+    // `order`: the frames from the lowest to the highest.
     template <class Height>
     Result<double> plane_spacing(const std::vector<std::uint32_t>& order, Height height) const {
         const auto shared = root_.item(tags::shared_groups);
         const auto per_frame = root_.item(tags::per_frame_groups);
-        std::optional<double> stated, thickness;
+        FrameHeights heights;
         for (const auto& groups : {shared, per_frame}) {
             const auto measures = groups ? groups->item(tags::pixel_measures_sequence) : std::nullopt;
             if (!measures) continue;
             ANATOMESH_TRY(const auto distance, decimal(*measures, tags::spacing_between_slices));
             ANATOMESH_TRY(const auto thick, decimal(*measures, tags::slice_thickness));
-            if (!stated) stated = distance;
-            if (!thickness) thickness = thick;
+            if (!heights.stated_mm) heights.stated_mm = distance;
+            if (!heights.thickness_mm) heights.thickness_mm = thick;
         }
-        double smallest = 0;
-        bool agrees = stated && *stated > 1e-6;
-        for (std::size_t i = 1; i < order.size(); ++i) {
-            const double gap = height(order[i]) - height(order[i - 1]);
-            if (gap < 1e-4) continue;
-            if (smallest == 0 || gap < smallest) smallest = gap;
-            agrees = agrees && std::abs(gap / *stated - std::round(gap / *stated)) < grid_tolerance &&
-                     gap > *stated / 2;
-        }
-        if (agrees) return *stated;
-        if (smallest > 0) return smallest;
-        const double one = stated.value_or(0) > 1e-6 ? *stated : thickness.value_or(0);
-        if (one > 1e-6 && one < 1e4) return one;
-        return error("E-SEG-004", "the segmentation has a single plane and does not state its thickness");
+        std::vector<double> frames(order.size());
+        std::transform(order.begin(), order.end(), frames.begin(), height);
+        const std::vector<double> images = heights_of_images();
+        heights.frames = frames;
+        heights.images = images;
+        const GridSpacing grid = grid_spacing(heights);
+        if (grid.source == GridSource::none && frames.back() - frames.front() < 1e-4)
+            return error("E-SEG-004", "the segmentation has a single plane and does not state its thickness");
+        if (grid.source == GridSource::none)
+            return error(
+                "E-SEG-004", "the frames are at uneven distances, and no spacing of planes fits them",
+                heights.thickness_mm ? fmt::format("slice thickness {:.4g} mm", *heights.thickness_mm)
+                                     : std::string{});
+        if (grid.skips_a_thickness)
+            context_.warn(
+                {"W-SEG-007",
+                 fmt::format("all frames are {:.4g} mm apart, twice the stated slice thickness of {:.4g} "
+                             "mm",
+                             grid.mm, *heights.thickness_mm),
+                 place({}),
+                 "they were taken for neighbouring slices with gaps between them, so that nothing is "
+                 "missing"});
+        return grid.mm;
+    }
+
+    // Of the images beside the segmentation, along the frames' normal.
+    std::vector<double> heights_of_images() const {
+        std::vector<double> heights;
+        const Vec3 normal = cross(frames_[0].row, frames_[0].column);
+        for (const Vec3& position : options_.image_positions)
+            heights.push_back(dot(position - frames_[0].position, normal));
+        std::sort(heights.begin(), heights.end());
+        return heights;
     }
 
     Status check_frames_once() {
@@ -371,6 +396,7 @@ class SegmentationReader {
         layer.geometry = geometry_;
         layer.voxels.assign(geometry_.voxel_count(), 0);
         layer.source = set_.name();
+        layer.ends_at_image = ends_at_image_;
         return layer;
     }
 
@@ -465,6 +491,7 @@ class SegmentationReader {
     std::vector<std::uint32_t> segment_of_frame_, slice_of_frame_;
     std::uint32_t slices_ = 0;
     ImageGeometry geometry_;
+    std::array<bool, 2> ends_at_image_{};
     std::string_view values_;
     std::optional<SharedBytes> decoded_;
     std::vector<LabelMap> layers_;

@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -53,6 +54,29 @@ TEST(DicomSegmentation, L02_frames_in_any_order_and_empty_ones_not_stored) {
     }
     for (std::uint32_t k = 0; k < 6; ++k) EXPECT_EQ(whole.at(k % 5, k / 5, k), k == 2 ? 0 : 1);
     EXPECT_TRUE(whole.warned("W-SEG-004"));  // L10
+}
+
+// The format leaves out frames that are empty, so that the last stored one says nothing of the image's end.
+TEST(DicomSegmentation, TheImageEndsWhereImagesBesideItEnd) {
+    const std::string file = SegFile::stack(4).bytes();
+    EXPECT_EQ(Read(file).layer().ends_at_image, (std::array{false, false}));
+    ReadSegmentationOptions options;
+    for (int k = 0; k < 9; ++k) options.image_positions.push_back({0, 0, 3.0 * k});
+    EXPECT_EQ(Read(file, options).layer().ends_at_image, (std::array{true, false}));
+    options.image_positions.resize(4);
+    EXPECT_EQ(Read(file, options).layer().ends_at_image, (std::array{true, true}));
+}
+
+// Two lesions are not one because nothing is stored between them.
+TEST(DicomSegmentation, FramesFarApartAreAsThickAsStated) {
+    SegFile file = SegFile::stack(9);
+    file.frames = {file.frames[0], file.frames[8]};
+    const Read read(file.bytes());
+    ASSERT_EQ(read.code(), "") << read.line();
+    EXPECT_EQ(read.layer().geometry.size[2], 9u);
+    EXPECT_NEAR(length(read.layer().geometry.step[2]), 3, 1e-12);
+    for (std::uint32_t k = 0; k < 9; ++k) EXPECT_EQ(read.at(0, 0, k), k % 8 == 0 ? 1 : 0);
+    EXPECT_TRUE(read.warned("W-SEG-004"));
 }
 
 TEST(DicomSegmentation, L05_fractional_at_half_of_the_maximum) {
