@@ -62,12 +62,52 @@ Result<RawContours> contours_in(const DicomObject& object, const InputOptions& o
     return raw;
 }
 
-Result<LoadedSegmentation> segmentation_in(const DicomObject& object, const InputOptions& options,
-                                           RunContext& context) {
+// The positions of images along a direction, in order, of those that are parallel to it within rounding.
+std::vector<Vec3> positions_of_images(const DicomFolder& folder, const std::vector<std::uint32_t>& images,
+                                      Vec3 normal) {
+    // Directions agree within this, because files round cosines. [1; 0 to 0.1; D digits of files]
+    constexpr double same_direction = 1e-3;
+    std::vector<Vec3> positions;
+    for (const std::uint32_t index : images) {
+        for (const DicomFrame& plane : folder.objects[index].planes) {
+            const Vec3 other = cross(plane.row, plane.column);
+            if (std::min(length(other - normal), length(other + normal)) < same_direction)
+                positions.push_back(plane.position);
+        }
+    }
+    return positions;
+}
+
+// How thick the images say that a slice is: the median distance of their planes, and what they state where there
+// is one alone. 0: nothing says it.
+double thickness_of_images(const DicomFolder& folder, const std::vector<std::uint32_t>& images) {
+    if (images.empty() || folder.objects[images[0]].planes.empty()) return 0;
+    const DicomFrame& first = folder.objects[images[0]].planes[0];
+    const Vec3 normal = cross(first.row, first.column);
+    std::vector<double> heights;
+    for (const Vec3& position : positions_of_images(folder, images, normal))
+        heights.push_back(dot(position - first.position, normal));
+    std::sort(heights.begin(), heights.end());
+    std::vector<double> gaps;
+    // Nearer images lie in one plane. [mm; > 0; D digits of files]
+    constexpr double same_plane_mm = 1e-3;
+    for (std::size_t n = 1; n < heights.size(); ++n)
+        if (heights[n] - heights[n - 1] > same_plane_mm) gaps.push_back(heights[n] - heights[n - 1]);
+    if (gaps.empty()) return std::max(0.0, folder.objects[images[0]].slice_thickness.value_or(0));
+    std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
+    return gaps[gaps.size() / 2];
+}
+
+Result<LoadedSegmentation> segmentation_in(const DicomFolder& folder, const DicomChoice& choice,
+                                           const InputOptions& options, RunContext& context) {
+    const DicomObject& object = folder.objects[choice.objects[0]];
     ANATOMESH_TRY(const InputFile file, read_input_file(object.path, options.limits.input));
     const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
     ReadSegmentationOptions reading;
     reading.max_voxels = options.limits.voxels;
+    if (!object.planes.empty())
+        reading.image_positions =
+            positions_of_images(folder, choice.images, cross(object.planes[0].row, object.planes[0].column));
     return read_dicom_segmentation(bytes, object.label, reading, context);
 }
 
@@ -138,10 +178,11 @@ Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context)
         ANATOMESH_TRY(opened.contours, contours_in(object, options, context));
         ANATOMESH_CHECK_STATUS(
             compare_with_images(*opened.contours, folder, object, choice, options, context));
+        opened.contours->slice_thickness_mm = thickness_of_images(folder, choice.images);
         opened.files.push_back(report_of(folder, choice.objects, name_of(opened.kind)));
     } else {
         opened.kind = FileKind::dicom_segmentation;
-        ANATOMESH_TRY(opened.segmentation, segmentation_in(object, options, context));
+        ANATOMESH_TRY(opened.segmentation, segmentation_in(folder, choice, options, context));
         ANATOMESH_CHECK_STATUS(
             compare_with_images(outline_of(*opened.segmentation), folder, object, choice, options, context));
         opened.files.push_back(report_of(folder, choice.objects, name_of(opened.kind)));

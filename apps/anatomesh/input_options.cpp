@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+
 #include "help_text.h"
 #include "option_values.h"
 
@@ -184,6 +186,32 @@ void add_selection_options(CLI::App& verb, InputOptions& options) {
     add_without_option(verb, options);
     add_threshold_option(verb, options);
     add_keep_largest_option(verb, options);
+    verb.add_option_function<std::string>(
+            "--axis",
+            [&options](const std::string& text) {
+                const std::size_t axis = std::string_view("xyz").find(text);
+                if (text.size() != 1 || axis == std::string_view::npos)
+                    throw CLI::ValidationError("--axis", fmt::format("'{}' is not one of x, y, z", text));
+                options.prepare.label_maps.axis = static_cast<std::uint32_t>(axis);
+            },
+            "Take the slices of an image along this axis of the patient: x (right to left), y (front to "
+            "back) or z "
+            "(feet to head). Default: the axis with the largest distance of slices.")
+        ->type_name("x|y|z");
+    verb.add_option_function<std::string>(
+            "--between-sparse",
+            [&options](const std::string& text) {
+                if (text != "nothing" && text != "interpolated")
+                    throw CLI::ValidationError("--between-sparse",
+                                               fmt::format("'{}' is not one of nothing, interpolated", text));
+                options.prepare.label_maps.between_sparse =
+                    text == "nothing" ? BetweenSparse::nothing : BetweenSparse::interpolated;
+            },
+            "What lies between the slices of a structure that is painted on every Nth slice alone: nothing, "
+            "so that "
+            "each slice is a plate, or what the slices tell (interpolated). Default: nothing, with a "
+            "warning.")
+        ->type_name("nothing|interpolated");
     add_optional_count(verb, "--every", options.prepare.choice.every, 1,
                        "Use every Nth slice, from 1. Default: 1, all slices.");
     add_count(verb, "--offset", options.prepare.choice.offset, 0, largest_count,

@@ -266,6 +266,9 @@ Result<PreparedContours> contours_of_file(OpenedInput& input, const InputOptions
     if (prepare.label_maps.threshold) return does_not_apply("--threshold", options.input, why);
     if (prepare.label_maps.keep_largest) return does_not_apply("--keep-largest", options.input, why);
     if (prepare.label_maps.min_area_mm2) return does_not_apply("--min-area", options.input, why);
+    if (prepare.label_maps.axis) return does_not_apply("--axis", options.input, why);
+    if (prepare.label_maps.between_sparse != BetweenSparse::nothing)
+        return does_not_apply("--between-sparse", options.input, why);
     return prepare_contours(*input.contours, prepare, context, check);
 }
 

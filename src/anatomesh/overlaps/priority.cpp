@@ -179,6 +179,8 @@ Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std:
     raw.structures = set.structures;
     raw.frame = set.frame;
     raw.pixel_mm = set.pixel_mm;
+    raw.slice_thickness_mm = set.slice_thickness_mm;
+    raw.complete = set.complete;
     raw.source = set.source;
     for (std::uint32_t k = 0; k < set.slices.size(); ++k) {
         raw.planes.push_back(set.slices[k].plane);

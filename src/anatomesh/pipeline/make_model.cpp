@@ -9,6 +9,21 @@ namespace anatomesh {
 
 namespace {
 
+// How thick the source says that its one slice is; 0 where there are several or it does not say.
+double stated_thickness(const ContourSet& kept) {
+    return kept.slices.size() == 1 ? kept.slice_thickness_mm : 0;
+}
+
+void warn_of_one_slice(const ContourSet& kept, double chosen_mm, RunContext& context) {
+    const double thickness = stated_thickness(kept);
+    if (thickness <= 0 || chosen_mm > 0) return;
+    context.warn({"W-FLD-013",
+                  "everything is drawn on one slice, so that nothing shows how it goes on above and below",
+                  {kept.source, kept.slices[0].name, "", "", brief(thickness) + " mm"},
+                  "the model is as thick as the source says that a slice is; --slice-thickness gives another "
+                  "thickness"});
+}
+
 std::vector<std::pair<std::string, std::string>> options_told(const PreparedContours& prepared,
                                                               const MakeModelOptions& options,
                                                               double size_mm) {
@@ -24,8 +39,9 @@ std::vector<std::pair<std::string, std::string>> options_told(const PreparedCont
     }
     told.insert(told.end(), options.report_options.begin(), options.report_options.end());
     told.emplace_back("max_gap_spacings", number_text(field.max_gap_spacings));
-    if (field.single_slice_mm > 0)
-        told.emplace_back("slice_thickness_mm", number_text(field.single_slice_mm));
+    const double thickness =
+        field.single_slice_mm > 0 ? field.single_slice_mm : stated_thickness(prepared.kept);
+    if (thickness > 0) told.emplace_back("slice_thickness_mm", number_text(thickness));
     return told;
 }
 
@@ -71,6 +87,7 @@ Result<Model> make_model(const PreparedContours& prepared, const MakeModelOption
     } else {
         ANATOMESH_CHECK_STATUS(check_default_size(kept));
     }
+    warn_of_one_slice(kept, options.prepare.field.single_slice_mm, context);
     ANATOMESH_TRY(Model model, build_model(kept, model_options(options), context, observer));
     complete_report(prepared, options, context, model.report);
     return model;

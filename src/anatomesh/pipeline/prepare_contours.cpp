@@ -68,6 +68,9 @@ Options choice_told(const PrepareOptions& options) {
         told.emplace_back("threshold", interval_text(*options.label_maps.threshold));
     if (options.label_maps.keep_largest)
         told.emplace_back("keep_largest", std::to_string(*options.label_maps.keep_largest));
+    if (options.label_maps.axis) told.emplace_back("axis", std::string(1, "xyz"[*options.label_maps.axis]));
+    if (options.label_maps.between_sparse == BetweenSparse::interpolated)
+        told.emplace_back("between_sparse", "interpolated");
     told.emplace_back("every", std::to_string(options.choice.every.value_or(1)));
     told.emplace_back("offset", std::to_string(options.choice.offset));
     if (options.name_cleaning || !is_default(options)) {
@@ -281,6 +284,8 @@ TraceOptions trace_options(const PrepareOptions& options) {
     tracing.offset = options.choice.offset;
     if (options.label_maps.min_area_mm2) tracing.min_area_mm2 = *options.label_maps.min_area_mm2;
     if (options.epsilon_mm) tracing.epsilon_mm = *options.epsilon_mm;
+    tracing.axis = options.label_maps.axis;
+    tracing.between_sparse = options.label_maps.between_sparse;
     return tracing;
 }
 

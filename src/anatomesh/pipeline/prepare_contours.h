@@ -57,6 +57,10 @@ struct LabelMapOptions {
     std::optional<std::uint32_t> keep_largest;
     // Islands of a slice below this area are left out, and counted. mm2, [0, 1e6]; nothing: 4 pixels.
     std::optional<double> min_area_mm2;
+    // The patient's axis that slices follow: 0 x, 1 y, 2 z. Nothing: the voxel axis with the largest spacing.
+    std::optional<std::uint32_t> axis;
+    // Of a structure that is painted on every n-th slice alone.
+    BetweenSparse between_sparse = BetweenSparse::nothing;
 };
 
 struct PrepareOptions {

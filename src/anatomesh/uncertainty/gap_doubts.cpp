@@ -54,7 +54,7 @@ GapDoubts::GapDoubts(const ContourSet& set, const FieldOptions& options)
         }
         if (drawn.empty()) continue;
         const StructureKnots found =
-            structure_knots(intervals, drawn, set.exclusive, spacing, options,
+            structure_knots(intervals, drawn, says_all(set), spacing, options,
                             {heights_left_out(stack, s, frame_.origin, frame_.normal), {}, {}});
         for (const auto& [low, high] : found.open_gaps) {
             // Empty levels stand a spacing from both sides.

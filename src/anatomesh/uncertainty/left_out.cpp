@@ -52,7 +52,7 @@ std::vector<std::uint32_t> neighbors_of(const ContourSet& set, const std::vector
     std::vector<std::uint32_t> structures;
     for (const Contour& contour : set.contours_of(set.slices[k])) structures.push_back(contour.structure);
     sort_distinct(structures);
-    if (set.exclusive) structures.clear();  // there every slice tells
+    if (says_all(set)) structures.clear();  // there every slice tells
     for (const std::uint32_t structure : structures) {
         std::size_t found = 0;
         for (std::size_t n = 0; n < order.size() && found < count; ++n) {

@@ -56,6 +56,8 @@ constexpr Member members[] = {
     {Node::root, "space", Node::ignored, false, false, "the text LPS, RAS or unknown"},
     {Node::root, "unit", Node::ignored, false, true, "the text mm"},
     {Node::root, "pixel_mm", Node::ignored, false, false, "a number"},
+    {Node::root, "slice_thickness_mm", Node::ignored, false, false, "a number"},
+    {Node::root, "coverage", Node::ignored, false, false, "the text complete or drawn"},
     {Node::root, "structures", Node::structures, false, true, "an array of structures"},
     {Node::root, "slices", Node::slices, false, true, "an array of slices"},
     {Node::structures, nullptr, Node::structure, true, false, "a structure (an object)"},
@@ -237,6 +239,11 @@ class Handler final : public nlohmann::json_sax<json> {
             return (value >= 0 && value <= 1e3) ||
                    fail("E-JSN-004", "the pixel size must be from 0 to 1000 mm", text);
         }
+        if (top.key == "slice_thickness_mm") {
+            builder_.slice_thickness_mm = value;
+            return (value >= 0 && value <= 1e3) ||
+                   fail("E-JSN-004", "the slice thickness must be from 0 to 1000 mm", text);
+        }
         if (top.key == "number" || top.key == "structure") return take_number(value, text);
         return fail_wanted(text);
     }
@@ -270,6 +277,10 @@ class Handler final : public nlohmann::json_sax<json> {
                              : value == "RAS" ? FileFrame::ras
                                               : FileFrame::unknown;
             return builder_.frame != FileFrame::unknown || value == "unknown" || fail_value(value);
+        }
+        if (top.key == "coverage") {
+            builder_.complete = value == "complete";
+            return builder_.complete || value == "drawn" || fail_value(value);
         }
         if (top.key == "kind") return take_kind(value);
         return fail_wanted(value);

@@ -5,8 +5,9 @@
 //    "slices": [{"name": "z = 36", "plane": {"origin": [0, 0, 36], "normal": [0, 0, 1]},
 //                "contours": [{"structure": 1, "kind": "closed", "points": [[x, y, z], ...]}]}]}
 //
-// space is LPS, RAS or unknown (as when absent). kind is closed (as when absent), closed_xor, open or points.
-// Left out may be: space, pixel_mm, name, color, plane (which is then found from the points), kind. Members
+// space is LPS, RAS or unknown (as when absent). slice_thickness_mm is that of the source's slices. coverage is
+// complete where a slice without a structure says that it is not there, else drawn (as when absent). kind is closed (as when absent), closed_xor, open or points.
+// Left out may be: space, pixel_mm, slice_thickness_mm, coverage, name, color, plane (which is then found from the points), kind. Members
 // may come in any order. Text is UTF-8 without a byte order mark.
 #pragma once
 

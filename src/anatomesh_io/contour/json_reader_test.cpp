@@ -164,6 +164,9 @@ TEST(Json, wrong_members_are_named) {
     EXPECT_TRUE(refused("\"LPS\"", "\"LAS\"", "E-JSN-004", "space"));
     EXPECT_TRUE(refused("\"open\"", "\"OPEN\"", "E-JSN-004", "slices[0].contours[1].kind"));
     EXPECT_TRUE(refused("0.5", "-0.5", "E-JSN-004", "pixel_mm"));
+    EXPECT_TRUE(
+        refused("\"pixel_mm\": 0.5", "\"slice_thickness_mm\": -1", "E-JSN-004", "slice_thickness_mm"));
+    EXPECT_TRUE(refused("\"pixel_mm\": 0.5", "\"coverage\": \"all\"", "E-JSN-004", "coverage"));
     EXPECT_TRUE(refused("\"unit\": \"mm\",", "", "E-JSN-006", "`unit`"));
     EXPECT_TRUE(refused(", \"normal\": [0, 0, 1]", "", "E-JSN-006", "slices[0].plane: `normal`"));
     EXPECT_TRUE(refused("\"normal\": [0, 0, 1]", "\"normal\": [0, 0, 0]", "E-CIO-007", "slices[0].plane"));

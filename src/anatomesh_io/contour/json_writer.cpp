@@ -77,6 +77,12 @@ std::string format_json_contours(const ContourSet& set) {
         append_number(out, set.pixel_mm);
         out += ",\n";
     }
+    if (set.slice_thickness_mm > 0) {
+        out += " \"slice_thickness_mm\": ";
+        append_number(out, set.slice_thickness_mm);
+        out += ",\n";
+    }
+    if (set.complete) out += " \"coverage\": \"complete\",\n";
     out += " \"structures\": [";
     const char* separator = "\n";
     for (const std::uint32_t structure : drawn_structures(set)) {

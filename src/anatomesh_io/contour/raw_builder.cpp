@@ -263,6 +263,8 @@ Result<RawContours> RawBuilder::finish(FileFrame asked) {
     warn_about_names();
     settle_frame(asked);
     raw_.pixel_mm = pixel_mm;
+    raw_.slice_thickness_mm = slice_thickness_mm;
+    raw_.complete = complete;
     return std::move(raw_);
 }
 

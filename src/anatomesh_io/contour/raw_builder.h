@@ -36,6 +36,8 @@ class RawBuilder {
 
     FileFrame frame = FileFrame::unknown;  // as the file states it
     double pixel_mm = 0;
+    double slice_thickness_mm = 0;
+    bool complete = false;
     std::uint32_t space = 0;  // of the contours that are begun from now on
 
     const std::string& file() const { return raw_.source; }

@@ -118,6 +118,11 @@ class VtpReader {
         builder_.frame = frame;
         const std::vector<double> pixel = numbers(file_.field("pixel_mm"));
         if (!pixel.empty() && pixel[0] > 0 && pixel[0] <= 1e3) builder_.pixel_mm = pixel[0];
+        const std::vector<double> thickness = numbers(file_.field("slice_thickness_mm"));
+        if (!thickness.empty() && thickness[0] > 0 && thickness[0] <= 1e3)
+            builder_.slice_thickness_mm = thickness[0];
+        builder_.complete =
+            (is_first || builder_.complete) && first_text(file_.field("coverage")) == "complete";
         return Nothing{};
     }
 
@@ -356,6 +361,14 @@ std::string format_vtp_contours(const ContourSet& set, int threads) {
     if (set.pixel_mm > 0) {
         const double pixel[] = {set.pixel_mm};
         file.field_data.push_back(VtkArray::of<double>("pixel_mm", pixel));
+    }
+    if (set.slice_thickness_mm > 0) {
+        const double thickness[] = {set.slice_thickness_mm};
+        file.field_data.push_back(VtkArray::of<double>("slice_thickness_mm", thickness));
+    }
+    if (set.complete) {
+        const std::vector<std::string> coverage{"complete"};
+        file.field_data.push_back(VtkArray::of_strings("coverage", coverage));
     }
     file.field_data.push_back(VtkArray::of<std::int32_t>("structure_number", structure_numbers));
     file.field_data.push_back(VtkArray::of_strings("structure_name", structure_names));

@@ -81,11 +81,19 @@ TEST_P(WriteContours, names_colours_frame_and_pixel_come_back) {
     EXPECT_EQ(raw.structures[2].name, set.structures[0].name);
     EXPECT_EQ(raw.structures[2].color, set.structures[0].color);
     EXPECT_EQ(raw.pixel_mm, set.pixel_mm);
+    EXPECT_EQ(raw.slice_thickness_mm, 0) << "nothing says it";
+    EXPECT_FALSE(raw.complete);
     EXPECT_EQ(raw.frame, Frame::lps);
     EXPECT_EQ(raw.plane_names[2], "slice 2");
     EXPECT_TRUE(context_.warnings.empty());
     for (std::size_t i = 0; i < set.slices.size(); ++i)
         EXPECT_EQ(raw.planes[i].origin, set.slices[i].plane.origin);
+
+    set.slice_thickness_mm = 2.5;
+    set.complete = true;
+    write(set, path("complete"));
+    EXPECT_EQ(read(path("complete")).slice_thickness_mm, 2.5);
+    EXPECT_TRUE(read(path("complete")).complete);
 
     set.frame = Frame::unknown;
     write(set, path("unknown"));

@@ -71,6 +71,8 @@ CleanOptions fitted_to_span(const RawContours& raw, const std::vector<Candidate>
 void describe(const RawContours& raw, std::vector<LeftOutSlice> left_out, ContourSet& set) {
     set.frame = raw.frame;
     set.pixel_mm = raw.pixel_mm;
+    set.slice_thickness_mm = raw.slice_thickness_mm;
+    set.complete = raw.complete;
     set.source = raw.source;
     set.left_out = std::move(left_out);
 }

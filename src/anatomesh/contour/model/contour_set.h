@@ -63,8 +63,12 @@ struct ContourSet {
     Frame frame = Frame::lps;
     bool exclusive = false;  // true: regions of different structures never overlap (traced from a label map)
     bool drawn = true;       // true: somebody drew them (keep every vertex); false: traced from voxels
-    double pixel_mm = 0;     // in-plane pixel size of the source image; 0 when unknown
-    std::string source;      // the file, as the user named it
+    // true: every slice says all of every structure, so that one without a structure says that it is not there
+    // (a label map). false: the structure may not have been drawn there (SliceCoverage).
+    bool complete = false;
+    double pixel_mm = 0;                      // in-plane pixel size of the source image; 0 when unknown
+    double slice_thickness_mm = 0;            // of a slice, as the source states it; 0 when unknown
+    std::string source;                       // the file, as the user named it
     std::vector<LeftOutSlice> left_out = {};  // of each structure that they drew
     // What was drawn, where structures lie in others and overlaps were given to the first of them
     // (overlaps/priority.h); it decides what lies between the slices. Else null.
@@ -90,6 +94,12 @@ struct OverlappingContours {
     std::vector<std::vector<std::uint32_t>> slices;  // by level: the slices of the whole that it has, rising
     std::vector<std::int32_t> order;                 // the numbers of all structures, the first first
 };
+
+// Whether a slice without a structure says that the structure is not there. Structures that exclude each other
+// leave no place unsaid on a slice.
+inline bool says_all(const ContourSet& set) {
+    return set.complete || set.exclusive;
+}
 
 // Whether nobody drew the structure's outlines on the slice.
 bool is_interpolated(const ContourSet& set, std::uint32_t slice, std::uint32_t structure);

@@ -40,8 +40,10 @@ struct RawContours {
     std::vector<Plane> planes;             // as the file gives them; may be empty
     std::vector<std::string> plane_names;  // parallel to planes
     Frame frame = Frame::lps;
-    double pixel_mm = 0;  // in-plane pixel size, 0 when unknown
-    std::string source;   // the file, as the user named it
+    double pixel_mm = 0;            // in-plane pixel size, 0 when unknown
+    double slice_thickness_mm = 0;  // as in ContourSet, and so is the next
+    bool complete = false;
+    std::string source;  // the file, as the user named it
 };
 
 }  // namespace anatomesh

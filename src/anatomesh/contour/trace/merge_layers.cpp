@@ -14,6 +14,8 @@ ContourSet merge_layers(std::vector<ContourSet> layers) {
     all.pixel_mm = layers[0].pixel_mm;
     all.source = layers[0].source;
     all.exclusive = false;
+    all.complete = layers[0].complete;
+    all.slice_thickness_mm = layers[0].slice_thickness_mm;
 
     struct From {
         std::uint32_t layer, index;

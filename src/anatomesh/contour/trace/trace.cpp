@@ -13,6 +13,7 @@
 #include "anatomesh/contour/model/area_change.h"
 #include "anatomesh/contour/simplify/chains.h"
 #include "anatomesh/contour/trace/small_pieces.h"
+#include "anatomesh/contour/trace/sparse_structures.h"
 #include "anatomesh/contour/trace/trace_slice.h"
 #include "anatomesh/image/components.h"
 
@@ -29,11 +30,16 @@ struct SliceAxes {
     Vec3 normal;  // of the slices; its largest component is positive, so that it does not depend on the axes'
                   // signs
 
-    explicit SliceAxes(const ImageGeometry& geometry) {
+    SliceAxes(const ImageGeometry& geometry, const std::optional<std::uint32_t>& patient_axis) {
+        const auto along = [&](std::uint32_t a) {
+            const Vec3 step = geometry.step[a];
+            if (!patient_axis) return length(step);
+            return std::abs(std::array{step.x, step.y, step.z}[*patient_axis]) / length(step);
+        };
         std::uint32_t across = 0;
         for (std::uint32_t a = 1; a < 3; ++a) {
             // Equal but for rounding counts as equal.
-            if (length(geometry.step[a]) >= length(geometry.step[across]) * (1 - 1e-6)) across = a;
+            if (along(a) >= along(across) * (1 - 1e-6)) across = a;
         }
         axis = across == 2   ? std::array<std::uint32_t, 3>{0, 1, 2}
                : across == 1 ? std::array<std::uint32_t, 3>{0, 2, 1}
@@ -100,16 +106,37 @@ LabelGrid label_grid(const LabelMap& labels, const SliceAxes& axes, std::uint32_
     return grid;
 }
 
-std::vector<std::uint16_t> labels_at_border(const LabelGrid& grid, bool whole_slice) {
+// Which sides of a slice's grid the image ends at, and whether the slice itself is the image's first or last.
+struct ImageEnds {
+    std::array<bool, 2> across{true, true}, along{true, true};  // low and high column, low and high row
+    bool is_last_slice = false;
+};
+
+ImageEnds image_ends(const LabelMap& labels, const SliceAxes& axes, std::uint32_t k) {
+    ImageEnds ends;
+    const auto of_axis = [&](int axis) {
+        return axes.axis[axis] == 2 ? labels.ends_at_image : std::array<bool, 2>{true, true};
+    };
+    ends.across = of_axis(0);
+    ends.along = of_axis(1);
+    const auto [low, high] = of_axis(2);
+    ends.is_last_slice = axes.size[2] > 1 && ((k == 0 && low) || (k + 1 == axes.size[2] && high));
+    return ends;
+}
+
+std::vector<std::uint16_t> labels_at_border(const LabelGrid& grid, const ImageEnds& ends) {
     std::vector<std::uint16_t> found;
     const auto note = [&](std::uint32_t x, std::uint32_t y) {
         const std::uint16_t label = grid.at(x, y);
         if (label != 0 && (found.empty() || found.back() != label)) found.push_back(label);
     };
     for (std::uint32_t y = 1; y <= grid.height; ++y) {
-        const bool whole_row = whole_slice || y == 1 || y == grid.height;
-        for (std::uint32_t x = 1; x <= grid.width; x += whole_row || x == grid.width ? 1 : grid.width - 1)
-            note(x, y);
+        if (ends.is_last_slice || (y == 1 && ends.along[0]) || (y == grid.height && ends.along[1])) {
+            for (std::uint32_t x = 1; x <= grid.width; ++x) note(x, y);
+            continue;
+        }
+        if (ends.across[0]) note(1, y);
+        if (ends.across[1]) note(grid.width, y);
     }
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -135,7 +162,7 @@ SliceContours trace_slice(const LabelMap& labels, const GreyImage* grey, const S
     slice.plane = make_plane(axes.position(labels.geometry, {0, 0}, k), axes.normal);
     LabelGrid grid = label_grid(labels, axes, k);
     slice.small = leave_out_small_pieces(grid, settings.min_pixels);
-    slice.cut_by_border = labels_at_border(grid, axes.size[2] > 1 && (k == 0 || k + 1 == axes.size[2]));
+    slice.cut_by_border = labels_at_border(grid, image_ends(labels, axes, k));
 
     GreySlice values;
     if (grey) {
@@ -289,6 +316,40 @@ void warn_about_missed_pieces(const LabelMap& labels, const SliceAxes& axes, con
     }
 }
 
+bool is_sparse_along(const std::vector<SparseStructure>& sparse, const SliceAxes& axes) {
+    return std::any_of(sparse.begin(), sparse.end(),
+                       [&](const SparseStructure& of) { return of.axis == axes.axis[2]; });
+}
+
+// The letter of the patient's axis that a voxel axis is nearest to.
+std::string patient_axis_of(const ImageGeometry& geometry, std::uint32_t axis) {
+    const Vec3 step = geometry.step[axis];
+    const std::array shares{std::abs(step.x), std::abs(step.y), std::abs(step.z)};
+    return std::string(1, "xyz"[std::max_element(shares.begin(), shares.end()) - shares.begin()]);
+}
+
+// `joins`: what lies between the slices is interpolated.
+void warn_about_sparse(const LabelMap& labels, const SliceAxes& axes,
+                       const std::vector<SparseStructure>& sparse, bool joins, RunContext& context) {
+    for (const SparseStructure& of : sparse) {
+        const bool is_across = of.axis != axes.axis[2];
+        const std::string axis_option =
+            is_across ? "--axis " + patient_axis_of(labels.geometry, of.axis) + " " : "";
+        context.warn(
+            {"W-TRC-007",
+             "the structure is painted on " + std::to_string(of.slices) + " slices along " +
+                 patient_axis_of(labels.geometry, of.axis) + ", about every " + std::to_string(of.step) +
+                 "th, with nothing between them",
+             {labels.source, "", name_of(labels.structures[of.structure]), "",
+              brief(of.painted_mm3) + " mm3 as painted, about " + brief(of.joined_mm3) +
+                  " mm3 with what lies between"},
+             joins && !is_across
+                 ? "what lies between them was interpolated; --between-sparse nothing makes a plate of each"
+                 : "the model has a separate plate for each; " + axis_option +
+                       "--between-sparse interpolated joins them"});
+    }
+}
+
 std::string list_of(const std::vector<Structure>& structures) {
     constexpr std::size_t most = 10;  // A message lists so many names. [names; >= 1; B]
     std::string list;
@@ -352,7 +413,7 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     assert(options.every >= 1 && options.offset < options.every);
     assert(labels.voxels.size() == labels.geometry.voxel_count());
     assert(!grey || grey->geometry.size == labels.geometry.size);
-    const SliceAxes axes(labels.geometry);
+    const SliceAxes axes(labels.geometry, options.axis);
     // Per slice, two 32-bit numbers per pixel.
     if ((std::uint64_t{axes.size[0]} + 2) * (std::uint64_t{axes.size[1]} + 2) > (1u << 30)) {
         return Error{ErrorKind::limit,
@@ -384,9 +445,13 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     TraceResult result;
     ContourSet& set = result.kept;
     set.structures = labels.structures;
-    set.exclusive = true;
     set.drawn = false;
+    const std::vector<SparseStructure> sparse =
+        options.every == 1 ? find_sparse_structures(labels) : std::vector<SparseStructure>();
+    const bool joins = options.between_sparse == BetweenSparse::interpolated && is_sparse_along(sparse, axes);
+    set.exclusive = set.complete = !joins;
     set.pixel_mm = axes.pixel();
+    set.slice_thickness_mm = std::abs(dot(axes.step[2], axes.normal));
     set.source = labels.source;
     assemble(slices, axes, set);
 
@@ -401,6 +466,7 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     warn_about_areas(slices, stats, set, context);
     warn_about_structures(labels, slices, set, context);
     warn_about_missed_pieces(labels, axes, options, settings.min_pixels, set, context);
+    warn_about_sparse(labels, axes, sparse, joins, context);
     return result;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
@@ -9,7 +10,17 @@
 
 namespace anatomesh {
 
+// What lies between the slices of a structure that is painted on some slices alone (sparse_structures.h).
+enum class BetweenSparse : std::uint8_t {
+    nothing,      // each painted slice is a plate: the label map says all
+    interpolated  // what the contours of the slices tell, as if they were drawn by hand
+};
+
 struct TraceOptions {
+    // The axis of the patient that slices follow, x, y or z: the voxel axis nearest to it. [0, 2]; nothing: the
+    // voxel axis with the largest spacing.
+    std::optional<std::uint32_t> axis;
+    BetweenSparse between_sparse = BetweenSparse::nothing;
     std::uint32_t every = 1;   // keep every Nth slice, >= 1
     std::uint32_t offset = 0;  // the first kept slice, 0 <= offset < every
     double min_area_mm2 = -1;  // pieces of a slice below it are left out and counted; negative: 4 pixels
@@ -33,7 +44,8 @@ struct TraceResult {
     TraceStats stats;
 };
 
-// Slices are taken along the voxel axis with the largest spacing; of equal ones, the last. Slices before the first and
+// Slices are taken along the axis of the options, else along the voxel axis with the largest spacing; of equal
+// ones, the last. Slices before the first and
 // after the last one with a contour are left out; those between are kept though they may be empty.
 //
 // Contours run through the points where the edges between neighbouring pixel centres change label. This is at the
@@ -50,14 +62,15 @@ struct TraceResult {
 //
 // `grey` may be null; else it has the label map's geometry, and `threshold` is its iso-value.
 //
-// Guarantees: the invariants of a kept contour set, exclusive = true, drawn = false. Kept vertices lie about a third
+// Guarantees: the invariants of a kept contour set, exclusive = true, complete = true, drawn = false; exclusive
+// and complete are false where what lies between sparse slices is to be interpolated. Kept vertices lie about a third
 // of a pixel apart or more where epsilon allows, and a tenth of a pixel from other segments where the traced points
 // do. No simplification makes contours cross, touch or change sides (contour/simplify/chains.h). The result is the
 // same for any number of threads. Complexity: linear in the voxels of the kept slices; parallel over slices.
 // Errors: geometry E-TRC-001 nothing to trace (with the labels that are empty), E-TRC-002 no slice kept; limit
 // E-TRC-003 slice too large. Warnings: W-TRC-001 cut by the image border, W-TRC-002 islands left out, W-TRC-003 holes
 // filled, W-TRC-004 structure without a contour, W-TRC-005 islands left out are over 5 % of the area, W-TRC-006 pieces
-// that no kept slice meets, W-CON-024 simplification changed the area of a structure by more than 5 %.
+// that no kept slice meets, W-TRC-007 a structure that is painted on some slices alone, W-CON-024 simplification changed the area of a structure by more than 5 %.
 // Source: Lorensen and Cline, SIGGRAPH 1987, in the plane; many labels as in Hege et al., ZIB SC-97-05, 1997.
 Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey, double threshold,
                                    const TraceOptions& options, RunContext& context);

@@ -439,6 +439,9 @@ TEST(StructureField, says_what_it_cannot_make) {
     ASSERT_FALSE(refused.ok());
     EXPECT_EQ(refused.error().code, "E-FLD-003");
     FieldOptions options;
+    ContourSet stated = one.set;
+    stated.slice_thickness_mm = 4;
+    EXPECT_TRUE(make_structure_field(stated, {}, context).ok()) << "the source says how thick a slice is";
     options.single_slice_mm = 4;
     const FieldPointer field = field_of(one.set, options);
     EXPECT_LT(field->value(0, {0, 0, 6.9}), 0);

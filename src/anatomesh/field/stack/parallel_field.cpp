@@ -165,7 +165,7 @@ void ParallelField::build_structure_stacks(const ContourSet& set, const std::vec
             if (map_of_[s][intervals[i].slice] != empty_knot) drawn.push_back(i);
         }
         const bool is_union = s == set.structures.size();
-        const bool every_slice = set.exclusive || options.every_slice_covers;
+        const bool every_slice = says_all(set) || options.every_slice_covers;
         const Plane& frame = set.slices.front().plane;
         GapEvidence evidence{heights_left_out(set, s, frame.origin, frame.normal), {}, parts, is_union};
         for (const std::uint32_t i : drawn) {
@@ -456,10 +456,11 @@ Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourS
     assert(!intervals.empty());
     double spacing = median_gap(intervals);
     if (spacing <= 0) spacing = options.single_slice_mm;
+    if (spacing <= 0) spacing = set.slice_thickness_mm;
     if (spacing <= 0) {
         return Error{ErrorKind::geometry,
                      "E-FLD-003",
-                     "a single slice has no thickness",
+                     "there is a single slice, and nothing says how thick it is",
                      {set.source, set.slices.front().name, "", "", ""},
                      "give the thickness with --slice-thickness"};
     }

@@ -65,7 +65,7 @@ void warn_about_knots(const ContourSet& set, std::uint32_t structure, const Stru
     if (set.drawn && !knots.unknown.empty()) {
         context.warn(
             {"W-FLD-012",
-             "slices between those of the structure draw other structures, but not this one",
+             "the slices between those of the structure do not show it",
              {set.source, set.slices[knots.unknown.front()].name, name, "",
               std::to_string(knots.unknown.size()) + " slices without it"},
              "the structure was continued through them; if it ends there, draw it as two structures"});

@@ -134,7 +134,7 @@ std::vector<std::uint8_t> mark_by_level(const ContourSet& set, Coverage as, Slic
         const ContourSet& level = all.levels[n];
         SliceCoverage of_level(level);
         // A level is another set than the whole: some of its slices, which may lie otherwise than all do.
-        if (!level.exclusive) {
+        if (!says_all(level)) {
             const std::vector<std::uint8_t> none(level.structures.size(), 0);
             mark_skipped(level, arrangement_of(level), none, Coverage::unknown, of_level);
         }
@@ -198,7 +198,7 @@ SliceCoverage coverage_of(const ContourSet& set, const SliceArrangement& arrange
     SliceCoverage coverage(set);
     const Coverage skipped = arrangement.is_stack() ? Coverage::unknown : Coverage::doubtful;
     const std::vector<std::uint8_t> decided = mark_by_level(set, skipped, coverage);
-    if (!set.exclusive) mark_skipped(set, arrangement, decided, skipped, coverage);
+    if (!says_all(set)) mark_skipped(set, arrangement, decided, skipped, coverage);
     if (!arrangement.is_stack() && set.structures.size() > 1)
         mark_where_slices_cross(set, arrangement, coverage, context);
     return coverage;

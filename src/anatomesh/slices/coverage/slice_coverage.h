@@ -56,7 +56,7 @@ class SliceCoverage {
 };
 
 // What each slice says of each structure; on slices without a contour of it:
-// - In an exclusive set (a label map) that is a stack or sweep, the structure is absent.
+// - In a set that says all (a label map: says_all()) and is a stack or sweep, the structure is absent.
 // - In any other stack or sweep the slices between a structure's own that covering_slices() does not name are
 //   unknown. Where there are such, the slices beyond its ends are unknown too.
 // - Where slices cross, a slice is unknown where those that cross it show the structure on its plane
