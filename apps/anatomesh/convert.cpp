@@ -60,11 +60,11 @@ Status run_convert(const ConvertOptions& options, Session& session) {
                      "choose an output for surfaces: .vtp, .stl, .ply or .obj"};
     }
     if (session.context.cancelled()) return cancelled_error();
-    std::string what;
+    std::string what, materials;
     AtomicFileSet files;
     if (to_model) {
         set_order(*input.model, options.element.order);
-        ANATOMESH_TRY([[maybe_unused]] const CellValues values,
+        ANATOMESH_TRY(const CellValues values,
                       add_cell_values(*input.model, options.element, nullptr, session));
         ANATOMESH_TRY(const std::string bytes, format_model(options.output, *input.model, session.context));
         ANATOMESH_CHECK_STATUS(files.add(options.output, bytes));
@@ -73,6 +73,7 @@ Status run_convert(const ConvertOptions& options, Session& session) {
         answer["materials"] = input.model->description.materials.size();
         answer["tetrahedra"] = input.model->mesh.cells.size();
         what = counted(input.model->mesh.cells.size(), "tetrahedron", "tetrahedra");
+        materials = materials_text(values.materials);
     } else {
         const SurfaceFile surface = surface_of(input);
         ANATOMESH_TRY(const std::string bytes, format_surface(options.output, surface, session.context));
@@ -81,8 +82,9 @@ Status run_convert(const ConvertOptions& options, Session& session) {
         answer["triangles"] = surface.surface.triangles.size();
         what = counted(surface.surface.triangles.size(), "triangle");
     }
-    return files.commit(
-        [&] { return give_summary(session, answer, fmt::format("{}: {}\n", options.output, what)); });
+    return files.commit([&] {
+        return give_summary(session, answer, fmt::format("{}: {}\n{}", options.output, what, materials));
+    });
 }
 
 }  // namespace

@@ -1,12 +1,14 @@
 #include "element_options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh/pipeline/grey_of_model.h"
-#include "anatomesh_io/mesh/material_file.h"
 #include "help_text.h"
 #include "option_values.h"
 #include "read_input.h"
@@ -51,7 +53,7 @@ Status add_grey(ModelFile& model, const InputOptions& image, bool again, Session
 
 Status add_materials(ModelFile& model, const MaterialFile& laws, Session& session, CellValues& done) {
     const auto start = Clock::now();
-    ANATOMESH_CHECK_STATUS(apply_materials(model, laws, session.context));
+    ANATOMESH_CHECK_STATUS(apply_materials(model, laws));
     const std::vector<Material>& materials = model.description.materials;
     double low = materials.empty() ? 0 : materials.front().young_mpa, high = low;
     for (const Material& material : materials) {
@@ -63,6 +65,7 @@ Status add_materials(ModelFile& model, const MaterialFile& laws, Session& sessio
                      {"young_low_mpa", low},
                      {"young_high_mpa", high}};
     done.stages.push_back(std::move(stage));
+    done.materials = material_ranges(model);
     done.files.push_back({laws.path, "material laws", laws.sha256, laws.bytes});
     return Nothing{};
 }
@@ -74,6 +77,15 @@ std::vector<std::string> ElementOptions::inputs() const {
     if (!grey.empty()) files.push_back(grey);
     if (!material.empty()) files.push_back(material);
     return files;
+}
+
+std::string materials_text(const std::vector<MaterialRange>& materials) {
+    std::string text;
+    for (const MaterialRange& range : materials)
+        text += fmt::format("  material of {}: {}, {:.1f} mm3, E {:.4g} to {:.4g} MPa\n",
+                            on_one_line(range.structure), counted(range.materials, "material"),
+                            range.volume_mm3, range.young_low_mpa, range.young_high_mpa);
+    return text;
 }
 
 void add_element_options(CLI::App& verb, ElementOptions& options) {

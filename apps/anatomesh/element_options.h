@@ -10,6 +10,7 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/measure/report.h"
+#include "anatomesh_io/mesh/material_file.h"
 #include "anatomesh_io/mesh/mesh_file.h"
 #include "input_options.h"
 #include "session.h"
@@ -33,7 +34,11 @@ Status check_order(const ElementOptions& options, const std::string& output);
 struct CellValues {
     std::vector<InputReport> files;
     std::vector<StageReport> stages;
+    std::vector<MaterialRange> materials;  // of each structure
 };
+
+// A line for each structure: how many materials it has, its volume and the range of Young's modulus.
+std::string materials_text(const std::vector<MaterialRange>& materials);
 
 // Puts grey values and materials into the model, as far as they are asked for. `own` is the input of the
 // model when it was made from a grey image in this run (whose values count without --grey), else nothing.

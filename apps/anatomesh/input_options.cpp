@@ -183,6 +183,9 @@ void add_keep_largest_option(CLI::App& verb, InputOptions& options) {
 void add_selection_options(CLI::App& verb, InputOptions& options) {
     add_texts(verb, "--structure", options.prepare.choice.structures, "NAME",
               "Use this structure, by name or number. Repeatable. Default: all structures.");
+    add_text(verb, "--name", options.prepare.choice.name, "NEW",
+             "Name of the one structure that is used. Default: as the input calls it, 'threshold LO' for a "
+             "threshold.");
     add_without_option(verb, options);
     add_threshold_option(verb, options);
     add_keep_largest_option(verb, options);

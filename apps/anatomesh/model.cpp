@@ -208,7 +208,8 @@ Status stage_outputs(Model& model, ModelFile& file, const ModelVerbOptions& opti
 }
 
 // What the file of the model has beside the mesh: mid-nodes, grey values, materials.
-Result<ModelFile> file_of(Model& model, const ModelVerbOptions& options, Session& session) {
+Result<ModelFile> file_of(Model& model, const ModelVerbOptions& options, std::string& materials,
+                          Session& session) {
     ModelFile file;
     file.mesh = model.mesh;
     if (options.element.order == 2) {
@@ -221,6 +222,7 @@ Result<ModelFile> file_of(Model& model, const ModelVerbOptions& options, Session
         CellValues values,
         add_cell_values(file, options.element,
                         options.input.prepare.label_maps.threshold ? &options.input : nullptr, session));
+    materials = materials_text(values.materials);
     for (StageReport& stage : values.stages) model.report.run.stages.push_back(std::move(stage));
     for (InputReport& input : values.files) model.report.provenance.inputs.push_back(std::move(input));
     return file;
@@ -231,11 +233,11 @@ struct Answers {
     std::vector<std::string> json, text;
 };
 
-void add_answer(const Model& model, const ModelVerbOptions& options, const Session& session,
-                Answers& answers) {
+void add_answer(const Model& model, const ModelVerbOptions& options, const std::string& materials,
+                const Session& session, Answers& answers) {
     if (session.json) return answers.json.push_back(report_json(model.report));
-    answers.text.push_back(
-        printable(options.output + "\n" + report_summary(model.report) + certificate_line(model.report)));
+    answers.text.push_back(printable(options.output + "\n" + report_summary(model.report) + materials +
+                                     certificate_line(model.report)));
 }
 
 Status answer(const Answers& answers, bool separate, Session& session) {
@@ -280,14 +282,15 @@ Status make_one(const PreparedContours& prepared, const InputContours& contours,
         ANATOMESH_TRY(const std::string bytes, format_model(options.dumps[i].path, dumps[i], context));
         ANATOMESH_CHECK_STATUS(files.add(options.dumps[i].path, bytes));
     }
-    ANATOMESH_TRY(ModelFile file, file_of(model, options, session));
+    std::string materials;
+    ANATOMESH_TRY(ModelFile file, file_of(model, options, materials, session));
     complete_report(model.report, contours, reading, session);
     ANATOMESH_CHECK_STATUS(stage_outputs(model, file, options, files, session));
     if (!options.dicom.paths().empty()) {
         ANATOMESH_TRY(const DicomSource source, output_source(options.input, contours.dicom_source, context));
         ANATOMESH_CHECK_STATUS(add_dicom_outputs(model, source, options.dicom, files, context));
     }
-    add_answer(model, options, session, answers);
+    add_answer(model, options, materials, session, answers);
     return Nothing{};
 }
 

@@ -1,6 +1,7 @@
 """Models made for simulation: quadratic elements, grey values, materials, and what CalculiX makes of them."""
 import json
 import math
+import re
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -268,6 +269,21 @@ class Elements(harness.TestCase):
         values = np.where(inside, 500 + 10 * grid[..., 0], -1000).astype(np.int16)
         images.write_nrrd(self.folder / "ct.nrrd", values, (1, 1, 1), (-19.5, -19.5, -19.5))
 
+    def test_a_law_applies_to_the_structure_that_name_gives(self):
+        """The law file of the page: without --name it names nothing, and the model would be of 1 MPa."""
+        self.image()
+        laws = [{"structure": "bone", "table": [[-100, 50], [1000, 900]]}, {"young_mpa": 1}]
+        self.write("bone.json", {"format": "anatomesh-material", "version": 1, "laws": laws})
+        model = ["model", "ct.nrrd", "--threshold", "200", "-o", "ball.vtu", "--material", "bone.json"]
+        self.assert_refused(model, 3, "E-MAT-004", "threshold 200", "--name", outputs=["ball.vtu"])
+        result = self.run_program(*model, "--name", "bone")
+        self.assertRegex(result.out, r"material of bone: \d+ materials?, [\d.]+ mm3, E [\d.]+ to [\d.]+ MPa")
+        low, high = map(float, re.search(r"E ([\d.]+) to ([\d.]+) MPa", result.out).groups())
+        self.assertGreater(low, 50)
+        self.assertLess(high, 900)
+        report = json.loads((self.folder / "ball.report.json").read_text())
+        self.assertEqual([s["name"] for s in report["structures"]], ["bone"])
+
     def test_grey_values_and_materials(self):
         self.image()
         law = {"table": [[0, 100], [1000, 1100]], "bins": 8, "density_g_cm3": 1.5}
@@ -306,7 +322,7 @@ class Elements(harness.TestCase):
         model = ["model", "ball.json", "-o", "x.vtu"]
         self.assert_refused([*model, "--material", "law.json"], 2, "E-CMD-008", "--grey")
         self.assert_refused([*model, "--material", "ball.json"], 3, "E-MAT-001")
-        self.assert_refused([*model, "--material", "other.json"], 3, "E-MAT-003")
+        self.assert_refused([*model, "--material", "other.json"], 3, "E-MAT-004")
         self.assert_refused([*model, "--grey", "ball.json"], 3, "E-CMD-012")
         self.assert_refused([*model, "--grey", "none.nrrd"], 6, "none.nrrd")
         far = shapes.sphere(10, 2.5).document(lambda p: (p[0] + 500, p[1], p[2]))

@@ -113,6 +113,21 @@ std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult
     return log;
 }
 
+// Gives the one structure the name that the options ask for.
+Status rename_structure(PreparedContours& prepared, const PrepareOptions& options) {
+    const std::string& name = options.choice.name;
+    if (name.empty()) return Nothing{};
+    std::vector<Structure>& structures = prepared.kept.structures;
+    if (structures.size() != 1)
+        return usage_error(
+            "--name is for one structure, and " + std::to_string(structures.size()) + " are taken",
+            input_name(options, prepared.kept.source), "choose one with --structure");
+    structures[0].name = name;
+    for (ContourReport& line : prepared.log) line.structure = name;
+    prepared.options.emplace_back("name", name);
+    return Nothing{};
+}
+
 Status keep_every_nth(ContourSet& kept, const PrepareOptions& options) {
     if (options.choice.every.value_or(1) == 1) return Nothing{};
     const std::string file = input_name(options, kept.source);
@@ -258,6 +273,7 @@ Status give_to_first(PreparedContours& prepared, const PrepareOptions& options, 
 // `watch`: begun with the preparing.
 Result<PreparedContours> finished(PreparedContours prepared, const PrepareOptions& options, Stopwatch watch,
                                   RunContext& context, const ContoursCheck& check) {
+    ANATOMESH_CHECK_STATUS(rename_structure(prepared, options));
     prepared.stages.push_back({"contours", watch.lap(), prepared.kept.points.size(), 0, {}});
     if (options.until != PrepareUntil::all) return prepared;
     if (check) {

@@ -40,6 +40,8 @@ enum class PrepareUntil : std::uint8_t {
 struct ChoiceOptions {
     // Structures to take, by name or number (find_structures.h); empty: all.
     std::vector<std::string> structures;
+    // The name that the one structure gets which is taken; empty: as the input calls it.
+    std::string name;
     // Slices to leave out, by their names in messages (chosen_slices.h).
     std::vector<std::string> without;
     // Of slices that are parallel every n-th one, from the offset on. Slices; every: [1, 1e6], nothing: all
@@ -113,7 +115,7 @@ using ContoursCheck = std::function<Status(const ContourSet& kept)>;
 
 // Guarantees: a kept contour set (contour_set.h), the same at any thread count. Errors and warnings: those of
 // the steps; usage E-CMD-005 no structure of such a name; E-CMD-008 an option that does not apply to these
-// contours (choice.every of slices that are not parallel, or leaving none; gaps closed of one structure
+// contours (choice.name of several structures; choice.every of slices that are not parallel, or leaving none; gaps closed of one structure
 // alone); E-RTS-010 (one_space.h); cancelled. Warnings of its own: W-CMD-006 what a structure gave to others,
 // W-CMD-007 priority without overlaps. Complexity: that of the steps.
 Result<PreparedContours> prepare_contours(const RawContours& raw, const PrepareOptions& options,

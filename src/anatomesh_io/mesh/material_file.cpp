@@ -109,6 +109,10 @@ Result<NamedLaw> read_law(const std::string& path, const json& object, const std
             named.structure = structure->dump();
         if (named.structure.empty()) reader.fail("structure", "the name or number of a structure");
     }
+    if (const json* optional = reader.value("optional")) {
+        if (!optional->is_boolean()) reader.fail("optional", "true or false");
+        named.optional = optional->is_boolean() && optional->get<bool>();
+    }
     const int kinds = reader.has("young_mpa") + reader.has("table") + reader.has("young_of_density");
     if (reader.good() && kinds != 1) reader.fail("", "one of young_mpa, table, young_of_density");
     if (reader.has("young_mpa")) law.young_mpa = reader.number("young_mpa", 1e-12, most);
@@ -137,6 +141,25 @@ Result<NamedLaw> read_law(const std::string& path, const json& object, const std
     reader.finish();
     if (reader.error) return *reader.error;
     return named;
+}
+
+std::string text_of(const Structure& structure) {
+    return structure.name.empty() ? std::to_string(structure.number) : structure.name;
+}
+
+Error names_nothing(const NamedLaw& law, const MeshDescription& description, const std::string& path) {
+    std::string all;
+    for (const Structure& structure : description.structures)
+        all += (all.empty() ? "" : ", ") + text_of(structure);
+    Error error = mesh_error(
+        "E-MAT-004",
+        "a law names a structure that the model does not have; the model has: " + all.substr(0, 400), path);
+    error.place.structure = law.structure;
+    error.next_step =
+        "correct \"structure\" in the law, name the structure with --name, or add \"optional\": true if the "
+        "file "
+        "is for several models";
+    return error;
 }
 
 bool names(const NamedLaw& named, const Structure& structure) {
@@ -184,19 +207,14 @@ bool needs_grey(const MaterialFile& file) {
                        [](const NamedLaw& named) { return named.law.kind != MaterialLaw::Kind::constant; });
 }
 
-Status apply_materials(ModelFile& model, const MaterialFile& file, RunContext& context) {
+Status apply_materials(ModelFile& model, const MaterialFile& file) {
     const MeshDescription& description = model.description;
     std::vector<MaterialLaw> laws;
     for (const NamedLaw& named : file.laws) {
         laws.push_back(named.law);
         const bool used = std::any_of(description.structures.begin(), description.structures.end(),
                                       [&](const Structure& structure) { return names(named, structure); });
-        if (used) continue;
-        Warning warning{
-            "W-MAT-001", "a law names a structure that the model does not have", {}, "it was not used"};
-        warning.place.file = file.path;
-        warning.place.structure = named.structure;
-        context.warn(std::move(warning));
+        if (!used && !named.optional) return names_nothing(named, description, file.path);
     }
     std::vector<std::uint32_t> law_of_region(description.regions.members.size(), no_cell);
     for (const Region region : model.mesh.regions) {
@@ -209,9 +227,7 @@ Status apply_materials(ModelFile& model, const MaterialFile& file, RunContext& c
         if (found == file.laws.end()) {
             Error error = mesh_error("E-MAT-003", "no law applies to this structure", file.path);
             if (!members.empty()) {
-                const Structure& structure = description.structures[members.front()];
-                error.place.structure =
-                    structure.name.empty() ? std::to_string(structure.number) : structure.name;
+                error.place.structure = text_of(description.structures[members.front()]);
             }
             error.next_step = "add one, or a law without \"structure\" for all others";
             return error;
@@ -222,6 +238,33 @@ Status apply_materials(ModelFile& model, const MaterialFile& file, RunContext& c
     model.description.materials = std::move(binned.materials);
     model.material = std::move(binned.of_cell);
     return Nothing{};
+}
+
+std::vector<MaterialRange> material_ranges(const ModelFile& model) {
+    const MeshDescription& description = model.description;
+    std::vector<MaterialRange> ranges(description.structures.size());
+    std::vector<std::vector<bool>> has(ranges.size(), std::vector<bool>(description.materials.size()));
+    for (std::size_t s = 0; s < ranges.size(); ++s) ranges[s].structure = text_of(description.structures[s]);
+    for (std::size_t c = 0; c < model.material.size(); ++c) {
+        const std::uint32_t index = model.material[c];
+        const double young = description.materials[index].young_mpa;
+        const Cell& cell = model.mesh.cells[c];
+        const std::vector<Vec3>& points = model.mesh.points;
+        const double volume =
+            std::abs(dot(points[cell[1]] - points[cell[0]],
+                         cross(points[cell[2]] - points[cell[0]], points[cell[3]] - points[cell[0]]))) /
+            6;
+        for (const std::uint32_t s : description.regions.members[model.mesh.regions[c]]) {
+            MaterialRange& range = ranges[s];
+            range.young_low_mpa = range.materials == 0 ? young : std::min(range.young_low_mpa, young);
+            range.young_high_mpa = std::max(range.young_high_mpa, young);
+            range.materials += !has[s][index];
+            has[s][index] = true;
+            range.volume_mm3 += volume;
+        }
+    }
+    std::erase_if(ranges, [](const MaterialRange& range) { return range.materials == 0; });
+    return ranges;
 }
 
 }  // namespace anatomesh

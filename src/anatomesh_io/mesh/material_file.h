@@ -8,8 +8,8 @@
 //             {"young_mpa": 1}]}
 //
 // Errors: input E-MAT-001 not JSON, or of another kind; E-MAT-002 a member is missing, unknown, of another
-// type or out of range (which one, and what is wanted); E-MAT-003 a structure has no law; those of
-// read_input_file. Warning: W-MAT-001 a law names no structure of the model.
+// type or out of range (which one, and what is wanted); E-MAT-003 a structure has no law; E-MAT-004 a law names no
+// structure of the model and is not optional; those of read_input_file.
 #pragma once
 
 #include <optional>
@@ -24,6 +24,7 @@ namespace anatomesh {
 
 struct NamedLaw {
     std::string structure;  // a name or a number; empty: every structure
+    bool optional = false;  // the model need not have the structure: the file is for several models
     MaterialLaw law;
 };
 
@@ -39,7 +40,17 @@ Result<MaterialFile> read_material_file(const std::string& path, const InputLimi
 bool needs_grey(const MaterialFile& file);
 
 // Gives every cell its material: that of the first law which names a structure of the cell's region, or none.
-// Requires: model.grey is set when a law needs it. Errors: E-MAT-003; E-ELM-002.
-Status apply_materials(ModelFile& model, const MaterialFile& file, RunContext& context);
+// Requires: model.grey is set when a law needs it. Errors: E-MAT-003; E-MAT-004; E-ELM-002.
+Status apply_materials(ModelFile& model, const MaterialFile& file);
+
+// What materials a structure has: how many, in how much of it, and from which modulus to which.
+struct MaterialRange {
+    std::string structure;
+    std::size_t materials = 0;
+    double volume_mm3 = 0, young_low_mpa = 0, young_high_mpa = 0;
+};
+
+// Of each structure of a model with materials, in order. A cell of several structures counts for each. O(cells).
+std::vector<MaterialRange> material_ranges(const ModelFile& model);
 
 }  // namespace anatomesh
