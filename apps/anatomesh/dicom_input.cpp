@@ -51,6 +51,7 @@ Result<RawContours> contours_in(const DicomObject& object, const InputOptions& o
     ReadContoursOptions reading;
     reading.limits = options.limits.contour;
     reading.file_limits = options.limits.input;
+    reading.unit_mm = options.unit_mm;
     auto raw = read_contours(object.path, reading, context);
     hide_path(object, context);
     if (!raw.ok()) {
@@ -143,7 +144,8 @@ Status compare_with_images(const RawContours& contours, const DicomFolder& folde
     if (images.empty() && options.match_by_geometry) {
         ANATOMESH_TRY(images, match_images(contours, folder));
     }
-    ANATOMESH_CHECK_STATUS(check_against_images(contours, folder, images, options.allow_outside, context));
+    ANATOMESH_CHECK_STATUS(check_against_images(
+        contours, folder, images, {options.allow_outside, options.unit_mm.has_value()}, context));
     if (images.empty() || object.kind != DicomKind::rtstruct) return Nothing{};
     ANATOMESH_TRY(const InputFile file, read_input_file(object.path, options.limits.input));
     const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());

@@ -58,6 +58,18 @@ void add_reading_options(CLI::App& verb, InputOptions& options) {
                   "Find the images of DICOM contours by their position, not by the references in the file.");
     verb.add_flag("--allow-outside", options.allow_outside,
                   "Accept DICOM contours that all lie outside their images.");
+    verb.add_option_function<std::string>(
+            "--unit",
+            [&options](const std::string& text) {
+                const std::pair<const char*, double> units[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}};
+                for (const auto& [name, mm] : units)
+                    if (text == name) options.unit_mm = mm;
+                if (!options.unit_mm)
+                    throw CLI::ValidationError("--unit", fmt::format("'{}' is not one of mm, cm, m", text));
+            },
+            "Unit of the coordinates in a contour file. Default: mm; DICOM contours that contradict it are "
+            "refused.")
+        ->type_name("mm|cm|m");
     add_optional_count(
         verb, "--ultrasound-region", options.ultrasound_region, 0,
         "The region whose scale applies, for an ultrasound image with several. The first one is 0.");

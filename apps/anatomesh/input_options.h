@@ -25,6 +25,7 @@ struct InputOptions {
     // What DICOM objects may contradict each other in.
     bool ignore_frame_of_reference = false, ignore_patient = false, match_by_geometry = false,
          allow_outside = false;
+    std::optional<double> unit_mm;  // of the coordinates of contours: 1, 10 or 1000; nothing: 1, and checked
     std::optional<std::uint32_t> ultrasound_region;
     // Tracked sequences.
     std::vector<double> image_to_probe;

@@ -130,6 +130,7 @@ Status check_reading_options(const InputOptions& options, FileKind kind) {
     }
     if (!image && options.volume && kind != FileKind::guide_points)
         return does_not_apply("--volume", options.input, why);
+    if (image && options.unit_mm) return does_not_apply("--unit", options.input, why);
     ANATOMESH_CHECK_STATUS(check_special_options(options, kind));
     if (image && !options.cleaning_given.empty()) {
         return does_not_apply(options.cleaning_given.front(), options.input,
@@ -186,6 +187,7 @@ Result<OpenedInput> open_contours(const InputOptions& options, FileKind kind, bo
     if (options.volume) reading.time_frame = *options.volume;
     reading.limits = options.limits.contour;
     reading.file_limits = options.limits.input;
+    reading.unit_mm = options.unit_mm;
     ANATOMESH_TRY(RawContours raw, read_contours(options.input, reading, context));
     OpenedInput opened;
     opened.kind = kind;
@@ -279,6 +281,7 @@ std::vector<std::pair<std::string, std::string>> reading_told(const InputOptions
     if (!options.nifti_transform.empty()) used.emplace_back("use", options.nifti_transform);
     if (!options.assume_orientation.empty())
         used.emplace_back("assume_orientation", options.assume_orientation);
+    if (options.unit_mm) used.emplace_back("unit_mm", number_text(*options.unit_mm));
     if (options.volume) used.emplace_back("volume", std::to_string(*options.volume));
     if (!options.series.empty())
         used.emplace_back("series", options.keep_patient_ids ? options.series : shown_series(options.series));

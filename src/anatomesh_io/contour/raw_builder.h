@@ -38,7 +38,8 @@ class RawBuilder {
     double pixel_mm = 0;
     double slice_thickness_mm = 0;
     bool complete = false;
-    std::uint32_t space = 0;  // of the contours that are begun from now on
+    bool unit_is_given = false;  // by the user: what the numbers look like is no news then
+    std::uint32_t space = 0;     // of the contours that are begun from now on
 
     const std::string& file() const { return raw_.source; }
     const ContourLimits& limits() const { return limits_; }

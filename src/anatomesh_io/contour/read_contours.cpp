@@ -56,6 +56,7 @@ Status read_content(const InputFile& file, const ReadContoursOptions& options, R
 Result<RawContours> read_contours(const std::string& path, const ReadContoursOptions& options,
                                   RunContext& context) {
     RawBuilder builder(path, options.limits, context);
+    builder.unit_is_given = options.unit_mm.has_value();
     std::error_code unknown;
     if (std::filesystem::is_directory(path, unknown)) {
         ANATOMESH_CHECK_STATUS(read_vtp_folder(path, options.file_limits, builder));
@@ -63,7 +64,14 @@ Result<RawContours> read_contours(const std::string& path, const ReadContoursOpt
         ANATOMESH_TRY(const InputFile file, read_input_file(path, options.file_limits));
         ANATOMESH_CHECK_STATUS(read_content(file, options, builder));
     }
-    return builder.finish(file_frame(options.frame));
+    ANATOMESH_TRY(RawContours raw, builder.finish(file_frame(options.frame)));
+    const double unit = options.unit_mm.value_or(1);
+    if (unit == 1) return raw;
+    for (Vec3& point : raw.points) point = unit * point;
+    for (Plane& plane : raw.planes) plane.origin = unit * plane.origin;
+    raw.pixel_mm *= unit;
+    raw.slice_thickness_mm *= unit;
+    return raw;
 }
 
 }  // namespace anatomesh

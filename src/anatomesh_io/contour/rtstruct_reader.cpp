@@ -70,6 +70,8 @@ constexpr std::size_t fewest_slices = 3;
 // Slices closer than this are unusual for a patient, so that the contours may be in centimetres.
 // [mm; > 0; C W-RTS-006]
 constexpr double closest_slices_mm = 0.45;
+// No scanner takes slices of a patient that are closer than this. [mm; > 0; C E-RTS-011]
+constexpr double impossible_slices_mm = 0.02;
 // Contours that span more are no patient in centimetres. [mm; > 0; C W-RTS-006]
 constexpr double smallest_patient_mm = 60;
 
@@ -92,14 +94,14 @@ class RtStructReader {
                                              [&](DcmItem& item) { return read_declaration(item); }));
         ANATOMESH_CHECK_STATUS(
             for_each_item(data_set_, DCM_ROIContourSequence, [&](DcmItem& item) { return read_roi(item); }));
-        warn_of_unit();
-        return Nothing{};
+        return check_unit();
     }
 
   private:
     // Patients are drawn on slices of about half a millimetre and more; what is small and on closer ones is
     // in centimetres.
-    void warn_of_unit() {
+    Status check_unit() {
+        if (builder_.unit_is_given) return Nothing{};
         auto& heights = *std::max_element(heights_.begin(), heights_.end(),
                                           [](const auto& a, const auto& b) { return a.size() < b.size(); });
         std::sort(heights.begin(), heights.end());
@@ -107,17 +109,25 @@ class RtStructReader {
         for (std::size_t n = 1; n < heights.size(); ++n) {
             if (heights[n] - heights[n - 1] > same_height_mm) gaps.push_back(heights[n] - heights[n - 1]);
         }
-        if (gaps.size() + 1 < fewest_slices) return;
+        if (gaps.size() + 1 < fewest_slices) return Nothing{};
         std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2),
                          gaps.end());
         const double spacing = gaps[gaps.size() / 2], span = box_.diagonal();
-        if (spacing >= closest_slices_mm || span > smallest_patient_mm) return;
-        builder_.context().warn(
-            {"W-RTS-006",
-             "the contours lie on slices " + rounded(spacing) + " mm apart and span " + rounded(span) +
-                 " mm in all, so that they may be in centimetres",
-             {builder_.file(), {}, {}, {}, rounded(spacing) + " mm apart"},
-             "they were read as mm, as DICOM requires; if they are not, multiply them by 10 in the file"});
+        if (spacing < impossible_slices_mm)
+            return Error{
+                ErrorKind::input,
+                "E-RTS-011",
+                "the contours lie on slices " + rounded(spacing) + " mm apart and span " + rounded(span) +
+                    " mm in all: no scanner takes such slices of a patient, so the coordinates are not in mm",
+                {builder_.file(), {}, {}, {}, rounded(spacing) + " mm apart"},
+                "say in what they are with --unit cm or --unit m; --unit mm takes them as they are"};
+        if (spacing >= closest_slices_mm || span > smallest_patient_mm) return Nothing{};
+        builder_.context().warn({"W-RTS-006",
+                                 "the contours lie on slices " + rounded(spacing) + " mm apart and span " +
+                                     rounded(span) + " mm in all, so that they may be in centimetres",
+                                 {builder_.file(), {}, {}, {}, rounded(spacing) + " mm apart"},
+                                 "they were read as mm, as DICOM requires; if they are not, give --unit cm"});
+        return Nothing{};
     }
     static std::string rounded(double value) {
         std::array<char, 32> text{};

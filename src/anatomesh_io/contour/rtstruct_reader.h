@@ -21,6 +21,7 @@ namespace anatomesh {
 //         E-RTS-007 a coordinate that is no number
 //         E-RTS-008 a contour type that there is not
 //         E-RTS-009 no DICOM dictionary on this machine
+//         E-RTS-011 slices so close that the coordinates are not in mm, unless the user gave their unit
 // and those of dicom_layout.h (E-DCL-*).
 //
 // Warnings: W-RTS-001 contours of an ROI that is not declared

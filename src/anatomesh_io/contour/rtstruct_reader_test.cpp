@@ -8,7 +8,9 @@
 #include <optional>
 #include <sstream>
 
+#include "anatomesh/geom/box.h"
 #include "anatomesh_io/contour/contour_test_support.h"
+#include "anatomesh_io/contour/read_contours.h"
 
 namespace anatomesh::rtstruct_reader_test {
 namespace {
@@ -128,6 +130,31 @@ TEST(RtStruct, RS30_contours_in_centimetres_are_asked_about) {
     read_whole(squares(20, 0.488));  // a small one beside thin slices
     read_whole(squares(3, 0.6));     // a small organ
     read_whole(squares(120, 0.4));   // a detailed one
+}
+
+// Slices that no scanner takes: whoever wrote them did not mean mm.
+TEST(RtStruct, RS30_contours_in_metres_are_refused_unless_their_unit_is_given) {
+    for (const double mm : {1.0, 2.5, 3.0, 5.0}) {
+        for (const double size : {8.0, 40.0, 180.0}) {
+            const std::string bytes = squares(size / 1000, mm / 1000);
+            RunContext context;
+            EXPECT_TRUE(fails(read(bytes, context), "E-RTS-011", "mm apart"));
+            Folder folder;
+            const std::string path = folder.file("metres.dcm");
+            std::ofstream(path, std::ios::binary) << bytes;
+            for (const double unit : {1.0, 10.0, 1000.0}) {
+                ReadContoursOptions options;
+                options.unit_mm = unit;
+                RunContext quiet;
+                const auto raw = read_contours(path, options, quiet);
+                ASSERT_TRUE(raw.ok()) << to_line(raw.error());
+                EXPECT_TRUE(codes(quiet).empty());
+                Box3 box;
+                for (const Vec3& point : raw.value().points) box.extend(point);
+                EXPECT_NEAR(box.high.z - box.low.z, 8 * mm * unit / 1000, 1e-5 * unit) << unit;
+            }
+        }
+    }
 }
 
 TEST(RtStruct, RS22_contours_of_several_frames_of_reference_are_told_apart) {

@@ -43,12 +43,19 @@ Result<std::vector<std::uint32_t>> match_images(const RawContours& contours, con
 // A line per series for messages: "1a2b3c4d: CT, 120 images of 512 x 512".
 std::string describe_series(const DicomFolder& folder, const DicomSeries& series);
 
-// Compares contours with the places of the images they refer to. Error: E-DCM-037 no contour lies within the
-// images, unless `allow_outside`. Warns W-DCM-019 of planes that lie on no image, W-DCM-020 of contours
-// outside all images, W-DCM-023 of coordinates that would lie on the images if they were cm or m and not mm.
-// Images whose places cannot be read are passed over.
+// What the user says of contours that do not fit their images.
+struct AcceptContours {
+    bool outside = false;        // --allow-outside
+    bool unit_is_given = false;  // --unit: the coordinates are in mm by now
+};
+
+// Compares contours with the places of the images they refer to. Errors: E-DCM-037 no contour lies within the
+// images, unless accept.outside; E-DCM-038 the coordinates contradict the images, and would lie on them if they
+// were cm or m and not mm, unless accept.unit_is_given. Warns W-DCM-019 of planes that lie on no image, W-DCM-020
+// of contours outside all images. Where all contours lie on images, their unit is right, so that W-RTS-006 is taken
+// back. Images whose places cannot be read are passed over.
 Status check_against_images(const RawContours& contours, const DicomFolder& folder,
-                            const std::vector<std::uint32_t>& images, bool allow_outside,
+                            const std::vector<std::uint32_t>& images, const AcceptContours& accept,
                             RunContext& context);
 
 // Warns W-DCM-024 of contours of an RTSTRUCT that lie elsewhere than on the image that each says it was drawn

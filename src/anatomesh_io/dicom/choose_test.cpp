@@ -212,16 +212,18 @@ TEST(DicomChoice, D01_nothing_usable) {
 }
 
 // The warnings, or the error's code, of contours beside the images that they refer to.
-std::string beside_images(const ContourSet& set, bool allow_outside = false,
+std::string beside_images(const ContourSet& set, const AcceptContours& accept = {},
                           const std::vector<fixtures::SliceFile>& slices = ct_series(5)) {
     Study study(set, slices);
     study.disk.write("folder/contours", study.rtstruct);
     const auto choice = study.choose();
     EXPECT_TRUE(choice.ok());
-    const auto raw = read_contours(study.disk.path("folder/contours"), {}, study.context);
+    ReadContoursOptions as_they_are;
+    as_they_are.unit_mm = 1;
+    const auto raw = read_contours(study.disk.path("folder/contours"), as_they_are, study.context);
     EXPECT_TRUE(raw.ok());
     const auto status =
-        check_against_images(raw.value(), *study.folder, choice.value().images, allow_outside, study.context);
+        check_against_images(raw.value(), *study.folder, choice.value().images, accept, study.context);
     return status.ok() ? study.warnings() : status.error().code;
 }
 
@@ -232,7 +234,7 @@ TEST(DicomChoice, RS10_RS31_planes_and_places_against_the_images) {
     EXPECT_NE(beside_images(square_set(30, 8)).find("W-DCM-020"), std::string::npos);  // partly
     for (const ContourSet& set : {square_set(30, 5, 500), square_set(300, 5)}) {
         EXPECT_EQ(beside_images(set), "E-DCM-037");
-        EXPECT_NE(beside_images(set, true).find("W-DCM-020"), std::string::npos);
+        EXPECT_NE(beside_images(set, {.outside = true}).find("W-DCM-020"), std::string::npos);
     }
 }
 
@@ -264,11 +266,46 @@ TEST(DicomChoice, RS30_coordinates_in_cm_or_m) {
         ContourSet set = square_set(30, 5);
         for (Vec3& point : set.points) point = (1 / unit) * point;
         for (Slice& slice : set.slices) slice.plane.origin = (1 / unit) * slice.plane.origin;
-        const std::string found = beside_images(set, true);
-        EXPECT_NE(found.find("W-DCM-023"), std::string::npos) << found;
-        EXPECT_NE(found.find(unit == 10 ? "were in cm (" : "were in m ("), std::string::npos) << found;
+        EXPECT_EQ(beside_images(set), "E-DCM-038");
+        EXPECT_EQ(beside_images(set, {.outside = true}), "E-DCM-038");
+        const std::string taken = beside_images(set, {.outside = true, .unit_is_given = true});
+        EXPECT_NE(taken.find("W-DCM-020"), std::string::npos) << taken;
     }
-    EXPECT_EQ(beside_images(square_set(31.5, 4)).find("W-DCM-023"), std::string::npos);
+    EXPECT_EQ(beside_images(square_set(31.5, 4)).find("E-DCM-038"), std::string::npos);
+}
+
+// A cochlea on slices 0.3 mm apart looks like centimetres, but its images say that it is not.
+TEST(DicomChoice, the_word_on_the_unit_is_taken_back_where_images_agree) {
+    for (const double z : {30.0, 31.5}) {
+        Study study(square_set(z, 4), ct_series(5));
+        study.disk.write("folder/contours", study.rtstruct);
+        const auto choice = study.choose();
+        ASSERT_TRUE(choice.ok());
+        const auto raw = read_contours(study.disk.path("folder/contours"), {}, study.context);
+        ASSERT_TRUE(raw.ok());
+        study.context.warn({"W-RTS-006", "they may be in centimetres", {}, ""});
+        ASSERT_TRUE(
+            check_against_images(raw.value(), *study.folder, choice.value().images, {}, study.context).ok());
+        EXPECT_EQ(study.warnings().find("W-RTS-006") == std::string::npos, z == 30) << study.warnings();
+    }
+}
+
+// With a gantry tilt the images are shifted against each other: what lies within the pixels of one lies beside those
+// of the first.
+TEST(DicomChoice, images_that_are_shifted_against_each_other) {
+    for (const double shift : {-30.0, -9.0, 9.0, 30.0}) {
+        std::vector<fixtures::SliceFile> slices = ct_series(5);
+        ContourSet set = square_set(30, 5);
+        for (std::size_t k = 0; k < 5; ++k) {
+            const double by = shift * static_cast<double>(k);
+            slices[k].set(tags::image_position, "DS",
+                          fixtures::numbers({-10, -20 + by, 30 + 3.0 * static_cast<double>(k)}));
+            for (std::size_t p = 0; p < 4; ++p) set.points[4 * k + p].y += by;
+        }
+        EXPECT_EQ(beside_images(set, {}, slices), "") << shift;
+        EXPECT_NE(beside_images(square_set(30, 5), {}, slices).find("W-DCM-020"), std::string::npos)
+            << "straight up, they leave the images";
+    }
 }
 
 TEST(DicomChoice, RS33_images_feet_first) {
@@ -276,7 +313,7 @@ TEST(DicomChoice, RS33_images_feet_first) {
     std::vector<fixtures::SliceFile> slices;
     for (int k = 0; k < 5; ++k)
         slices.push_back(fixtures::ct_slice(k, {-2, -20, 42 - 3.0 * k}, 5, 4, {-1, 0, 0}, {0, 1, 0}));
-    EXPECT_EQ(beside_images(square_set(30, 5), false, slices), "");
+    EXPECT_EQ(beside_images(square_set(30, 5), {}, slices), "");
 }
 
 TEST(DicomChoice, G33_numbers_rounded_between_slices_and_contours) {
@@ -288,7 +325,7 @@ TEST(DicomChoice, G33_numbers_rounded_between_slices_and_contours) {
         set.slices[k].plane.origin.z = 30 + static_cast<double>(k) * 0.48828125;
         for (std::size_t p = 0; p < 4; ++p) set.points[4 * k + p].z = set.slices[k].plane.origin.z;
     }
-    EXPECT_EQ(beside_images(set, false, slices), "");
+    EXPECT_EQ(beside_images(set, {}, slices), "");
 }
 
 }  // namespace

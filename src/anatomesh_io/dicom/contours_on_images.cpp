@@ -29,51 +29,62 @@ class ImagePlanes {
         for (const std::uint32_t index : images)
             for (const DicomFrame& plane : folder.objects[index].planes) {
                 if (!first_) first_ = &plane;
-                heights_.push_back(dot(plane.position, normal()));
+                planes_.push_back({dot(plane.position, normal()), &plane});
             }
-        std::sort(heights_.begin(), heights_.end());
+        std::sort(planes_.begin(), planes_.end(),
+                  [](const Placed& a, const Placed& b) { return a.height < b.height; });
     }
     bool empty() const { return !first_; }
     Vec3 normal() const { return cross(first_->row, first_->column); }
     double spacing() const {
-        return heights_.size() > 1
-                   ? (heights_.back() - heights_.front()) / static_cast<double>(heights_.size() - 1)
-                   : 1;
-    }
-    double distance(double height) const {
-        const auto above = std::lower_bound(heights_.begin(), heights_.end(), height);
-        double nearest = above == heights_.end() ? 1e300 : *above - height;
-        if (above != heights_.begin()) nearest = std::min(nearest, height - *(above - 1));
-        return nearest;
+        return planes_.size() > 1 ? (planes_.back().height - planes_.front().height) /
+                                        static_cast<double>(planes_.size() - 1)
+                                  : 1;
     }
     // Where a contour lies when its coordinates are multiplied by `scale`; `away`: from the nearest plane.
     Lies place_of(const RawContours& contours, const RawContour& contour, double scale, double& away) const {
         double low = 1e300, high = -1e300;
-        bool all_aside = true;
         for (std::uint32_t p = 0; p < contour.point_count; ++p) {
-            const Vec3 point = scale * contours.points[contour.first_point + p];
-            low = std::min(low, dot(point, normal()));
-            high = std::max(high, dot(point, normal()));
-            all_aside = all_aside && is_aside(point);
+            const double height = dot(scale * contours.points[contour.first_point + p], normal());
+            low = std::min(low, height);
+            high = std::max(high, height);
         }
         if (high - low > same_plane_mm) return Lies::across;
-        away = distance((low + high) / 2);
-        if (all_aside || low < heights_.front() - spacing() || high > heights_.back() + spacing())
+        const Placed& nearest = nearest_to((low + high) / 2);
+        away = std::abs(nearest.height - (low + high) / 2);
+        if (low < planes_.front().height - spacing() || high > planes_.back().height + spacing())
             return Lies::outside;
+        bool all_aside = true;
+        for (std::uint32_t p = 0; p < contour.point_count && all_aside; ++p)
+            all_aside = is_aside(scale * contours.points[contour.first_point + p], *nearest.frame);
+        if (all_aside) return Lies::outside;
         return away > same_plane_mm ? Lies::between : Lies::on;
     }
 
   private:
-    // Whether a point lies beside the pixels of the first image, wherever along the normal.
-    bool is_aside(Vec3 point) const {
-        const Vec3 p = point - first_->position;
-        const double i = dot(p, first_->row) / first_->spacing[0],
-                     j = dot(p, first_->column) / first_->spacing[1];
-        return i < -0.5 || j < -0.5 || i > first_->columns - 0.5 || j > first_->rows - 0.5;
+    struct Placed {
+        double height = 0;
+        const DicomFrame* frame = nullptr;
+    };
+
+    const Placed& nearest_to(double height) const {
+        const auto above = std::lower_bound(planes_.begin(), planes_.end(), height,
+                                            [](const Placed& plane, double h) { return plane.height < h; });
+        if (above == planes_.begin()) return *above;
+        if (above == planes_.end()) return planes_.back();
+        return above->height - height < height - (above - 1)->height ? *above : *(above - 1);
+    }
+
+    // Whether a point lies beside the pixels of an image, wherever along the normal. With a gantry tilt each image
+    // is shifted against the one before it.
+    static bool is_aside(Vec3 point, const DicomFrame& image) {
+        const Vec3 p = point - image.position;
+        const double i = dot(p, image.row) / image.spacing[0], j = dot(p, image.column) / image.spacing[1];
+        return i < -0.5 || j < -0.5 || i > image.columns - 0.5 || j > image.rows - 0.5;
     }
 
     const DicomFrame* first_ = nullptr;
-    std::vector<double> heights_;
+    std::vector<Placed> planes_;
 };
 
 struct Counts {
@@ -99,19 +110,22 @@ Counts count_places(const RawContours& contours, const ImagePlanes& images, doub
     return counts;
 }
 
-// Coordinates that fit no image as mm, and the images as another unit.
-void check_unit(const RawContours& contours, const ImagePlanes& images, const Counts& as_mm,
-                RunContext& context) {
-    if (as_mm.on > 0 || as_mm.planes < 3) return;
+// Coordinates that do not fit the images as mm, and all of them as another unit.
+Status check_unit(const RawContours& contours, const ImagePlanes& images, const Counts& as_mm) {
+    if (as_mm.between + as_mm.outside == 0 || as_mm.planes < 3) return Nothing{};
     for (const auto& [scale, unit] : {std::pair{10.0, "cm"}, {1000.0, "m"}}) {
         const Counts scaled = count_places(contours, images, scale);
         if (scaled.on == 0 || scaled.between + scaled.outside > 0) continue;
-        context.warn(
-            {"W-DCM-023",
-             fmt::format("the contours would lie on the images if their coordinates were in {}", unit),
-             {contours.source, {}, {}, {}, {}},
-             "they were read as mm, as the standard requires; check the unit"});
+        return Error{
+            ErrorKind::input,
+            "E-DCM-038",
+            fmt::format("the contours do not lie on the images they refer to, but would if their "
+                        "coordinates were in {}",
+                        unit),
+            {contours.source, {}, {}, {}, {}},
+            fmt::format("give --unit {} to read them so, or --unit mm to take them as they are", unit)};
     }
+    return Nothing{};
 }
 
 std::optional<Vec3> first_point(std::string_view data) {
@@ -132,13 +146,17 @@ std::optional<Vec3> first_point(std::string_view data) {
 }  // namespace
 
 Status check_against_images(const RawContours& contours, const DicomFolder& folder,
-                            const std::vector<std::uint32_t>& images, bool allow_outside,
+                            const std::vector<std::uint32_t>& images, const AcceptContours& accept,
                             RunContext& context) {
     const ImagePlanes planes(folder, images);
     if (planes.empty()) return Nothing{};
     const Counts counts = count_places(contours, planes, 1);
-    check_unit(contours, planes, counts, context);
-    if (counts.outside > 0 && counts.on + counts.between == 0 && !allow_outside)
+    if (!accept.unit_is_given) {
+        ANATOMESH_CHECK_STATUS(check_unit(contours, planes, counts));
+    }
+    if (counts.on > 0 && counts.between + counts.outside == 0)
+        std::erase_if(context.warnings, [](const Warning& warning) { return warning.code == "W-RTS-006"; });
+    if (counts.outside > 0 && counts.on + counts.between == 0 && !accept.outside)
         return Error{ErrorKind::input,
                      "E-DCM-037",
                      "all contours lie outside the images they refer to",
