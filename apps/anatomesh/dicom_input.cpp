@@ -150,8 +150,7 @@ Status compare_with_images(const RawContours& contours, const DicomFolder& folde
     ANATOMESH_TRY(const InputFile file, read_input_file(object.path, options.limits.input));
     const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
     ANATOMESH_TRY(const DataSet set, DataSet::parse(bytes, object.label));
-    check_references(set.root(), folder, images, context);
-    return Nothing{};
+    return check_references(set.root(), folder, images, context);
 }
 
 }  // namespace

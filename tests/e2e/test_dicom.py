@@ -170,6 +170,64 @@ class Folders(harness.TestCase):
         contours.save_as(str(self.study / "rs"), write_like_original=True)
         self.run_program("contours", "study", "-o", "x.json")
 
+    def test_contours_on_frames_of_one_image(self):
+        """Frames with places are held against the contours that name them; without places nothing says where these lie."""
+        write_series(self.study)
+        self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")
+        slices = sorted((pydicom.dcmread(path) for path in self.study.iterdir()),
+                        key=lambda ds: float(ds.ImagePositionPatient[2]))
+        uid = "1.2.826.0.1.3680043.8.498.77"
+
+        def image(with_places):
+            frames = pydicom.Dataset()
+            frames.update(slices[0])
+            frames.file_meta = slices[0].file_meta
+            frames.SOPInstanceUID = frames.file_meta.MediaStorageSOPInstanceUID = uid
+            frames.NumberOfFrames = len(slices)
+            frames.PixelData = b"".join(ds.PixelData for ds in slices)
+            shared, measures, orientation = pydicom.Dataset(), pydicom.Dataset(), pydicom.Dataset()
+            measures.PixelSpacing, measures.SliceThickness = slices[0].PixelSpacing, 2
+            orientation.ImageOrientationPatient = slices[0].ImageOrientationPatient
+            shared.PixelMeasuresSequence, shared.PlaneOrientationSequence = [measures], [orientation]
+            frames.SharedFunctionalGroupsSequence = [shared]
+            frames.PerFrameFunctionalGroupsSequence = []
+            for ds in slices if with_places else []:
+                place, group = pydicom.Dataset(), pydicom.Dataset()
+                place.ImagePositionPatient = ds.ImagePositionPatient
+                group.PlanePositionSequence = [place]
+                frames.PerFrameFunctionalGroupsSequence.append(group)
+            for name in ("ImagePositionPatient", "ImageOrientationPatient"):
+                del frames[name]
+            return frames
+
+        def study(folder, with_places, frame_of):
+            contours = pydicom.dcmread(self.folder / "rs.dcm")
+            for roi in contours.ROIContourSequence:
+                for contour in roi.ContourSequence:
+                    k = min(range(len(slices)), key=lambda n: abs(float(slices[n].ImagePositionPatient[2])
+                                                                  - float(contour.ContourData[2])))
+                    contour.ContourImageSequence[0].ReferencedSOPInstanceUID = uid
+                    contour.ContourImageSequence[0].ReferencedFrameNumber = frame_of(k + 1)
+            for study in contours.ReferencedFrameOfReferenceSequence[0].RTReferencedStudySequence:
+                for series in study.RTReferencedSeriesSequence:
+                    del series.ContourImageSequence[1:]
+                    series.ContourImageSequence[0].ReferencedSOPInstanceUID = uid
+            (self.folder / folder).mkdir()
+            contours.save_as(self.folder / folder / "rs.dcm")
+            image(with_places).save_as(self.folder / folder / "frames.dcm", write_like_original=False)
+
+        def codes():
+            return {w["code"] for w in json.loads((self.folder / "m.report.json").read_text())["warnings"]}
+
+        for name, frame_of, expected in (("right", lambda k: k, set()), ("mirrored", lambda k: len(slices) + 1 - k, {"W-DCM-024"}),
+                                         ("shifted", lambda k: max(1, k - 2), {"W-DCM-024"}),
+                                         ("absent", lambda k: k + 500, {"W-DCM-025"})):
+            study(name, True, frame_of)
+            self.run_program("model", name, "-o", "m.vtu", "--quiet")
+            self.assertEqual(codes() & {"W-DCM-024", "W-DCM-025"}, expected, name)
+        study("noplace", False, lambda k: k)
+        self.assert_refused(["model", "noplace", "-o", "x.vtu"], 3, "E-DCM-039", "does not say where its frames lie")
+
     def test_RS22_structures_of_two_frames_of_reference(self):
         write_series(self.study)
         self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")

@@ -58,9 +58,10 @@ Status check_against_images(const RawContours& contours, const DicomFolder& fold
                             const std::vector<std::uint32_t>& images, const AcceptContours& accept,
                             RunContext& context);
 
-// Warns W-DCM-024 of contours of an RTSTRUCT that lie elsewhere than on the image that each says it was drawn
-// on. Their coordinates count.
-void check_references(const DicomItem& rtstruct, const DicomFolder& folder,
-                      const std::vector<std::uint32_t>& images, RunContext& context);
+// Warns W-DCM-024 of contours of an RTSTRUCT that lie elsewhere than on the image, or the frame, that each says it
+// was drawn on, and W-DCM-025 of frames that the image does not have. Their coordinates count. Error: E-DCM-039 they
+// are drawn on several frames of an image without places, so that their coordinates say nothing.
+Status check_references(const DicomItem& rtstruct, const DicomFolder& folder,
+                        const std::vector<std::uint32_t>& images, RunContext& context);
 
 }  // namespace anatomesh

@@ -253,7 +253,9 @@ TEST(DicomChoice, RS24_contours_that_refer_to_an_image_elsewhere) {
         ASSERT_TRUE(choice.ok());
         const auto set = DataSet::parse(study.rtstruct, "contours");
         ASSERT_TRUE(set.ok());
-        check_references(set.value().root(), *reading.folder, choice.value().images, reading.context);
+        ASSERT_TRUE(
+            check_references(set.value().root(), *reading.folder, choice.value().images, reading.context)
+                .ok());
         EXPECT_EQ(reading.warned("W-DCM-024"), is_moved) << reading.warnings();
         if (is_moved) {
             EXPECT_NE(reading.warnings().find("5 contours"), std::string::npos) << reading.warnings();

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/dicom/choose.h"
@@ -143,6 +145,18 @@ std::optional<Vec3> first_point(std::string_view data) {
     return Vec3{xyz[0], xyz[1], xyz[2]};
 }
 
+// The frame of a multi-frame image that a reference names, from 1; 0: it names none.
+std::uint64_t named_frame(const DicomItem& reference) {
+    std::string_view text = reference.text(tags::referenced_frame_number);
+    text = text.substr(0, text.find('\\'));  // of several the first
+    while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+    while (!text.empty() && (text.back() == ' ' || text.back() == '\0')) text.remove_suffix(1);
+    const auto number = parse_number(text);
+    // A DICOM integer string has so many digits at most. [1; > 0; D PS3.5, 6.2]
+    constexpr double largest_integer = 2147483647;
+    return number && *number >= 1 && *number <= largest_integer ? static_cast<std::uint64_t>(*number) : 0;
+}
+
 }  // namespace
 
 Status check_against_images(const RawContours& contours, const DicomFolder& folder,
@@ -196,34 +210,60 @@ Result<std::vector<std::uint32_t>> match_images(const RawContours& contours, con
                  "give the object alone, or only with its own images"};
 }
 
-void check_references(const DicomItem& rtstruct, const DicomFolder& folder,
-                      const std::vector<std::uint32_t>& images, RunContext& context) {
-    const ImagePlanes planes(folder, images);
-    if (planes.empty()) return;
-    std::map<std::string_view, const DicomFrame*> plane_of;
+Status check_references(const DicomItem& rtstruct, const DicomFolder& folder,
+                        const std::vector<std::uint32_t>& images, RunContext& context) {
+    std::map<std::string_view, const DicomObject*> image_of;
     for (const std::uint32_t index : images)
-        if (folder.objects[index].planes.size() == 1)
-            plane_of[folder.objects[index].sop_instance] = &folder.objects[index].planes[0];
-    std::uint64_t wrong = 0;
+        image_of[folder.objects[index].sop_instance] = &folder.objects[index];
+    const ImagePlanes planes(folder, images);
+    std::set<std::pair<std::string_view, std::uint64_t>> without_place;
+    std::uint64_t wrong = 0, absent = 0;
     double worst = 0;
     for (const DicomItem& roi : rtstruct.items(tags::roi_contour_sequence))
         for (const DicomItem& contour : roi.items(tags::contour_sequence)) {
             const auto reference = contour.item(tags::contour_image_sequence);
             if (!reference) continue;
-            const auto named = plane_of.find(reference->text(tags::referenced_sop_instance));
+            const auto named = image_of.find(reference->text(tags::referenced_sop_instance));
             const auto point = first_point(contour.bytes(tags::contour_data));
-            if (named == plane_of.end() || !point) continue;
-            const double away = std::abs(dot(*point - named->second->position, planes.normal()));
+            if (named == image_of.end() || !point) continue;
+            const DicomObject& image = *named->second;
+            const std::uint64_t frame = named_frame(*reference);
+            if (image.planes.empty()) {
+                if (image.frames > 1 && frame > 0) without_place.emplace(named->first, frame);
+                continue;
+            }
+            if (image.planes.size() > 1 && frame == 0) continue;
+            const std::uint64_t place = image.planes.size() > 1 ? frame - 1 : 0;
+            if (place >= image.planes.size()) {
+                ++absent;
+                continue;
+            }
+            const double away = std::abs(dot(*point - image.planes[place].position, planes.normal()));
             // Between two images it may refer to either.
             if (away <= 0.6 * planes.spacing()) continue;
             ++wrong;
             worst = std::max(worst, away);
         }
-    if (wrong == 0) return;
-    context.warn({"W-DCM-024",
-                  fmt::format("{} contours refer to an image at another place", wrong),
-                  {rtstruct.set().name(), {}, {}, {}, fmt::format("up to {:.4g} mm away", worst)},
-                  "their coordinates were used"});
+    if (without_place.size() > 1)
+        return Error{
+            ErrorKind::input,
+            "E-DCM-039",
+            fmt::format("the contours are drawn on {} frames of an image that does not say where its frames "
+                        "lie",
+                        without_place.size()),
+            {rtstruct.set().name(), {}, {}, {}, {}},
+            "export the image with the positions of its frames, and draw the contours on that"};
+    if (wrong > 0)
+        context.warn({"W-DCM-024",
+                      fmt::format("{} contours refer to an image at another place", wrong),
+                      {rtstruct.set().name(), {}, {}, {}, fmt::format("up to {:.4g} mm away", worst)},
+                      "their coordinates were used"});
+    if (absent > 0)
+        context.warn({"W-DCM-025",
+                      fmt::format("{} contours refer to a frame that the image does not have", absent),
+                      {rtstruct.set().name(), {}, {}, {}, {}},
+                      "their coordinates were used"});
+    return Nothing{};
 }
 
 }  // namespace anatomesh

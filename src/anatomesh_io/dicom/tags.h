@@ -18,7 +18,7 @@ inline constexpr DicomTag character_set{0x0008, 0x0005}, image_type{0x0008, 0x00
     referenced_series_sequence{0x0008, 0x1115}, source_image_sequence{0x0008, 0x2112},
     derivation_image_sequence{0x0008, 0x9124}, referenced_instance_sequence{0x0008, 0x114A},
     other_studies_sequence{0x0008, 0x1200}, referenced_sop_class{0x0008, 0x1150},
-    referenced_sop_instance{0x0008, 0x1155};
+    referenced_sop_instance{0x0008, 0x1155}, referenced_frame_number{0x0008, 0x1160};
 inline constexpr DicomTag patient_name{0x0010, 0x0010}, patient_id{0x0010, 0x0020},
     patient_birth_date{0x0010, 0x0030}, patient_sex{0x0010, 0x0040}, patient_removed{0x0012, 0x0062},
     deidentification_method{0x0012, 0x0063};
