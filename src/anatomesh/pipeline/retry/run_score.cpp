@@ -13,6 +13,9 @@ namespace {
 
 // So few missed segments count as none. [share of the segments; 0 to 1; M 2026-11, bench/arrangements.py]
 constexpr double few_missed = 0.005;
+// A result that keeps all else may miss so much. [share of the segments; few_missed to 1; M 2026-11-30, random solids on
+// crossing stacks]
+constexpr double most_missed_of_whole = 0.05;
 // The next class of missed segments begins at so many times the one before. [ratio; > 1; M 2026-11, bench/arrangements.py]
 constexpr double wider_missed = 4.0 / 3;
 // More bad cells are no single ones any more. [share of the cells; 0 to 1; M 2026-11, set not recorded]
@@ -85,6 +88,16 @@ RunOutcome outcome_of(const Result<Model>& model, const ModelReport& report, con
     return outcome;
 }
 
+namespace {
+
+// Whether all is kept that is promised.
+bool is_whole(const RunScore& score) {
+    return score.unmet_clauses == 0 && score.spurious_joints == 0 && !score.torn && score.bad <= few_bad &&
+           score.farthest <= warned_distance && score.missed <= most_missed_of_whole;
+}
+
+}  // namespace
+
 bool is_better(const RunScore& one, const RunScore& other) {
     // The less the better, in the order of the header.
     const auto criteria = [](const RunScore& score) {
@@ -92,6 +105,7 @@ bool is_better(const RunScore& one, const RunScore& other) {
                           static_cast<double>(score.torn),
                           static_cast<double>(score.farthest > spike_distance),
                           static_cast<double>(score.bad > some_bad),
+                          static_cast<double>(!is_whole(score)),
                           class_of(score.missed, few_missed, wider_missed),
                           static_cast<double>(score.unmet_clauses),
                           static_cast<double>(score.spurious_joints),

@@ -87,7 +87,8 @@ TEST(RunScore, OfOneThatIsRefusedItIsToldWhetherASizeMayMend) {
 
 // Each pair differs in one criterion and, the other way round, in all that come after it.
 TEST(RunScore, TheFirstCriterionThatDiffersDecides) {
-    const RunScore good{.kept_contract = true};
+    // One clause is not met, so that no result is whole: that criterion has a test of its own.
+    const RunScore good{.kept_contract = true, .unmet_clauses = 1};
     const auto with = [](RunScore score, auto change) {
         change(score);
         return score;
@@ -99,7 +100,7 @@ TEST(RunScore, TheFirstCriterionThatDiffersDecides) {
         [](RunScore& score) { score.farthest = 0.76; },
         [](RunScore& score) { score.bad = 1.1e-3; },
         [](RunScore& score) { score.missed = 0.0051; },
-        [](RunScore& score) { score.unmet_clauses = 1; },
+        [](RunScore& score) { score.unmet_clauses = 2; },
         [](RunScore& score) { score.spurious_joints = 1; },
         [](RunScore& score) { score.deviates = true; },
         [](RunScore& score) { score.bad = std::max(score.bad, 1e-9); },
@@ -112,6 +113,22 @@ TEST(RunScore, TheFirstCriterionThatDiffersDecides) {
         EXPECT_TRUE(is_better(later_ones, worse)) << "criterion " << n + 1;
         EXPECT_FALSE(is_better(worse, later_ones)) << "criterion " << n + 1;
         worsened[n](later_ones);
+    }
+}
+
+TEST(RunScore, AWholeResultComesBeforeOneThatMissesFewerSegments) {
+    const RunScore whole{.kept_contract = true, .missed = 0.05, .farthest = 0.5, .bad = 1e-4};
+    const RunScore lacking{.kept_contract = true, .missed = 0.01, .unmet_clauses = 1};
+    EXPECT_TRUE(is_better(whole, lacking));
+    EXPECT_FALSE(is_better(lacking, whole));
+    using Change = void (*)(RunScore&);
+    for (const Change change : std::vector<Change>{
+             [](RunScore& score) { score.missed = 0.051; }, [](RunScore& score) { score.unmet_clauses = 1; },
+             [](RunScore& score) { score.spurious_joints = 1; }, [](RunScore& score) { score.bad = 2e-4; },
+             [](RunScore& score) { score.farthest = 0.51; }}) {
+        RunScore not_whole = whole;
+        change(not_whole);
+        EXPECT_TRUE(is_better(lacking, not_whole)) << "then segments decide";
     }
 }
 
