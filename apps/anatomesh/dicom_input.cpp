@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -47,11 +48,14 @@ void hide_path(const DicomObject& object, RunContext& context) {
         if (warning.place.file == object.path) warning.place.file = object.label;
 }
 
-Result<RawContours> contours_in(const DicomObject& object, const InputOptions& options, RunContext& context) {
+Result<RawContours> contours_in(const DicomObject& object, bool has_images, const InputOptions& options,
+                                RunContext& context) {
     ReadContoursOptions reading;
     reading.limits = options.limits.contour;
     reading.file_limits = options.limits.input;
     reading.unit_mm = options.unit_mm;
+    // Images say better than small numbers in what the coordinates are (check_against_images).
+    if (has_images && !reading.unit_mm) reading.unit_mm = 1;
     auto raw = read_contours(object.path, reading, context);
     hide_path(object, context);
     if (!raw.ok()) {
@@ -77,6 +81,25 @@ std::vector<Vec3> positions_of_images(const DicomFolder& folder, const std::vect
         }
     }
     return positions;
+}
+
+// Whether all contours lie in planes that are parallel to the first image.
+bool lies_along_images(const RawContours& contours, const DicomFolder& folder,
+                       const std::vector<std::uint32_t>& images) {
+    if (images.empty() || folder.objects[images[0]].planes.empty()) return false;
+    const DicomFrame& first = folder.objects[images[0]].planes[0];
+    const Vec3 normal = cross(first.row, first.column);
+    // A contour that reaches further across the images lies in another plane. [mm; > 0; D digits of files]
+    constexpr double flat_mm = 0.1;
+    return std::all_of(contours.contours.begin(), contours.contours.end(), [&](const RawContour& contour) {
+        double low = std::numeric_limits<double>::infinity(), high = -low;
+        for (std::uint32_t p = 0; p < contour.point_count; ++p) {
+            const double height = dot(contours.points[contour.first_point + p], normal);
+            low = std::min(low, height);
+            high = std::max(high, height);
+        }
+        return contour.point_count == 0 || high - low < flat_mm;
+    });
 }
 
 // How thick the images say that a slice is: the median distance of their planes, and what they state where there
@@ -160,6 +183,12 @@ Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context)
                   read_dicom_folder(options.input, folder_options(options), context));
     ANATOMESH_TRY(const DicomChoice choice,
                   choose_dicom(folder, options.series, context, choose_options(options)));
+    if (options.unit_mm && choice.kind != DicomKind::rtstruct)
+        return Error{ErrorKind::usage,
+                     "E-CMD-008",
+                     "--unit does not apply: the object holds voxels, not contours",
+                     {options.input, "", "", "", ""},
+                     "leave out --unit"};
     OpenedInput opened;
     const auto& of_study = choice.images.empty() ? choice.objects : choice.images;
     ANATOMESH_TRY(opened.dicom_source,
@@ -176,10 +205,11 @@ Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context)
         opened.files.push_back(report_of(folder, choice.objects, "DICOM images"));
     } else if (choice.kind == DicomKind::rtstruct) {
         opened.kind = FileKind::dicom_rtstruct;
-        ANATOMESH_TRY(opened.contours, contours_in(object, options, context));
+        ANATOMESH_TRY(opened.contours, contours_in(object, !choice.images.empty(), options, context));
         ANATOMESH_CHECK_STATUS(
             compare_with_images(*opened.contours, folder, object, choice, options, context));
-        opened.contours->slice_thickness_mm = thickness_of_images(folder, choice.images);
+        if (lies_along_images(*opened.contours, folder, choice.images))
+            opened.contours->slice_thickness_mm = thickness_of_images(folder, choice.images);
         opened.files.push_back(report_of(folder, choice.objects, name_of(opened.kind)));
     } else {
         opened.kind = FileKind::dicom_segmentation;

@@ -51,9 +51,10 @@ Status add_grey(ModelFile& model, const InputOptions& image, bool again, Session
     return Nothing{};
 }
 
-Status add_materials(ModelFile& model, const MaterialFile& laws, Session& session, CellValues& done) {
+Status add_materials(ModelFile& model, const MaterialFile& laws, std::span<const Structure> others,
+                     CellValues& done) {
     const auto start = Clock::now();
-    ANATOMESH_CHECK_STATUS(apply_materials(model, laws));
+    ANATOMESH_CHECK_STATUS(apply_materials(model, laws, others));
     const std::vector<Material>& materials = model.description.materials;
     double low = materials.empty() ? 0 : materials.front().young_mpa, high = low;
     for (const Material& material : materials) {
@@ -112,7 +113,7 @@ Status check_order(const ElementOptions& options, const std::string& output) {
 }
 
 Result<CellValues> add_cell_values(ModelFile& model, const ElementOptions& options, const InputOptions* own,
-                                   Session& session) {
+                                   Session& session, std::span<const Structure> others) {
     CellValues done;
     std::optional<MaterialFile> laws;
     if (!options.material.empty()) {
@@ -138,7 +139,7 @@ Result<CellValues> add_cell_values(ModelFile& model, const ElementOptions& optio
                      "give the image with --grey"};
     }
     if (laws) {
-        ANATOMESH_CHECK_STATUS(add_materials(model, *laws, session, done));
+        ANATOMESH_CHECK_STATUS(add_materials(model, *laws, others, done));
     }
     return done;
 }

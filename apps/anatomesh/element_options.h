@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,7 +45,8 @@ std::string materials_text(const std::vector<MaterialRange>& materials);
 // model when it was made from a grey image in this run (whose values count without --grey), else nothing.
 // Errors: those of the readers and stages; E-CMD-012 --grey is no image; usage E-CMD-008 a law needs grey
 // values and there are none. Warning: W-ELM-001 cells outside the image.
+// `others`: structures of models beside it, which laws may name.
 Result<CellValues> add_cell_values(ModelFile& model, const ElementOptions& options, const InputOptions* own,
-                                   Session& session);
+                                   Session& session, std::span<const Structure> others = {});
 
 }  // namespace anatomesh

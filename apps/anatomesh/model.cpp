@@ -208,8 +208,8 @@ Status stage_outputs(Model& model, ModelFile& file, const ModelVerbOptions& opti
 }
 
 // What the file of the model has beside the mesh: mid-nodes, grey values, materials.
-Result<ModelFile> file_of(Model& model, const ModelVerbOptions& options, std::string& materials,
-                          Session& session) {
+Result<ModelFile> file_of(Model& model, const ModelVerbOptions& options, std::span<const Structure> of_run,
+                          std::string& materials, Session& session) {
     ModelFile file;
     file.mesh = model.mesh;
     if (options.element.order == 2) {
@@ -218,10 +218,10 @@ Result<ModelFile> file_of(Model& model, const ModelVerbOptions& options, std::st
     if (!options.element.wanted()) return file;
     file.description.structures = model.structures;
     file.description.regions = model.regions;
-    ANATOMESH_TRY(
-        CellValues values,
-        add_cell_values(file, options.element,
-                        options.input.prepare.label_maps.threshold ? &options.input : nullptr, session));
+    ANATOMESH_TRY(CellValues values,
+                  add_cell_values(file, options.element,
+                                  options.input.prepare.label_maps.threshold ? &options.input : nullptr,
+                                  session, of_run));
     materials = materials_text(values.materials);
     for (StageReport& stage : values.stages) model.report.run.stages.push_back(std::move(stage));
     for (InputReport& input : values.files) model.report.provenance.inputs.push_back(std::move(input));
@@ -283,7 +283,7 @@ Status make_one(const PreparedContours& prepared, const InputContours& contours,
         ANATOMESH_CHECK_STATUS(files.add(options.dumps[i].path, bytes));
     }
     std::string materials;
-    ANATOMESH_TRY(ModelFile file, file_of(model, options, materials, session));
+    ANATOMESH_TRY(ModelFile file, file_of(model, options, contours.kept.structures, materials, session));
     complete_report(model.report, contours, reading, session);
     ANATOMESH_CHECK_STATUS(stage_outputs(model, file, options, files, session));
     if (!options.dicom.paths().empty()) {

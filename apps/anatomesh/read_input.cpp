@@ -131,6 +131,8 @@ Status check_reading_options(const InputOptions& options, FileKind kind) {
     if (!image && options.volume && kind != FileKind::guide_points)
         return does_not_apply("--volume", options.input, why);
     if (image && options.unit_mm) return does_not_apply("--unit", options.input, why);
+    if (options.unit_mm && (kind == FileKind::contour_json || kind == FileKind::vtk_polydata))
+        return does_not_apply("--unit", options.input, "files of this kind are in mm");
     ANATOMESH_CHECK_STATUS(check_special_options(options, kind));
     if (image && !options.cleaning_given.empty()) {
         return does_not_apply(options.cleaning_given.front(), options.input,
@@ -228,6 +230,10 @@ Result<LabelMap> labels_of(const LoadedImage& image, const InputOptions& options
 Result<PreparedContours> contours_of_frames(LabelMap labels, const LoadedImage& image, const GreyImage* grey,
                                             const PrepareOptions& prepare, RunContext& context,
                                             const ContoursCheck& check) {
+    const std::string why = "each frame of the sequence is a slice";
+    if (prepare.label_maps.axis) return does_not_apply("--axis", prepare.input, why);
+    if (prepare.label_maps.between_sparse != BetweenSparse::nothing)
+        return does_not_apply("--between-sparse", prepare.input, why);
     ANATOMESH_TRY(const auto chosen,
                   find_structures(labels.structures, prepare.choice.structures, prepare.input));
     if (chosen.size() < labels.structures.size()) select_structures(labels, chosen);

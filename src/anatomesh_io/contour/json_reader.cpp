@@ -241,8 +241,8 @@ class Handler final : public nlohmann::json_sax<json> {
         }
         if (top.key == "slice_thickness_mm") {
             builder_.slice_thickness_mm = value;
-            return (value >= 0 && value <= 1e3) ||
-                   fail("E-JSN-004", "the slice thickness must be from 0 to 1000 mm", text);
+            return value == 0 || (value >= 1e-3 && value <= 1e3) ||
+                   fail("E-JSN-004", "the slice thickness must be 0, or from 0.001 to 1000 mm", text);
         }
         if (top.key == "number" || top.key == "structure") return take_number(value, text);
         return fail_wanted(text);

@@ -119,7 +119,7 @@ class VtpReader {
         const std::vector<double> pixel = numbers(file_.field("pixel_mm"));
         if (!pixel.empty() && pixel[0] > 0 && pixel[0] <= 1e3) builder_.pixel_mm = pixel[0];
         const std::vector<double> thickness = numbers(file_.field("slice_thickness_mm"));
-        if (!thickness.empty() && thickness[0] > 0 && thickness[0] <= 1e3)
+        if (!thickness.empty() && thickness[0] >= 1e-3 && thickness[0] <= 1e3)
             builder_.slice_thickness_mm = thickness[0];
         builder_.complete =
             (is_first || builder_.complete) && first_text(file_.field("coverage")) == "complete";

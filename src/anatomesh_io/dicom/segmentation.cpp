@@ -234,6 +234,13 @@ class SegmentationReader {
                 "E-SEG-004", "the frames are at uneven distances, and no spacing of planes fits them",
                 heights.thickness_mm ? fmt::format("slice thickness {:.4g} mm", *heights.thickness_mm)
                                      : std::string{});
+        const bool is_stated = heights.stated_mm.value_or(0) != 0 || heights.thickness_mm.value_or(0) > 0;
+        if (grid.source == GridSource::frames && !is_stated)
+            context_.warn(
+                {"W-SEG-008", "nothing says how far apart the planes of the segmentation are",
+                 place({}, fmt::format("{:.4g} mm", grid.mm)),
+                 "the distances of its frames were taken for it; put the images that it was made of beside "
+                 "it"});
         if (grid.skips_a_thickness)
             context_.warn(
                 {"W-SEG-007",

@@ -36,7 +36,8 @@ struct LoadedSegmentation {
 // E-SEG-008 one frame twice; E-SEG-009 larger than the limit; E-SEG-010 a frame that cannot be decoded.
 // Warnings: W-SEG-001 a threshold was applied; W-SEG-002 a segment that is empty; W-SEG-003 frames of a
 // segment that is not declared; W-SEG-004 planes missing between the frames of a segment, which are taken for
-// empty; W-SEG-005 segments overlap; W-SEG-006 segment number 0, renumbered; W-SEG-007 frames two
+// empty; W-SEG-005 segments overlap; W-SEG-006 segment number 0, renumbered; W-SEG-008 nothing says how far apart
+// planes are; W-SEG-007 frames two
 // thicknesses apart were taken for neighbours. Complexity: linear in the pixels
 // of the frames and the voxels of the layers, times the layers.
 Result<LoadedSegmentation> read_dicom_segmentation(std::string_view file, const std::string& name,

@@ -14,7 +14,7 @@ namespace {
 constexpr double fit_tolerance = 0.01;
 // Frames that are nearer lie in one plane. [mm; > 0; D digits of files]
 constexpr double same_plane_mm = 1e-4;
-// A spacing below is stated by mistake. [mm; > 0; D digits of files]
+// A spacing below is stated by mistake; the sign is no matter, since nuclear medicine writes negative ones. [mm; > 0; D digits of files]
 constexpr double least_spacing_mm = 1e-6;
 // A spacing above is stated by mistake. [mm; > 0; C]
 constexpr double largest_spacing_mm = 1e4;
@@ -40,7 +40,9 @@ bool fits(const std::vector<double>& gaps, double spacing) {
 }
 
 std::optional<double> usable(const std::optional<double>& mm) {
-    return mm && *mm > least_spacing_mm && *mm < largest_spacing_mm ? mm : std::nullopt;
+    return mm && std::abs(*mm) > least_spacing_mm && std::abs(*mm) < largest_spacing_mm
+               ? std::optional(std::abs(*mm))
+               : std::nullopt;
 }
 
 // The least distance of the images, if the frames lie on them or on planes that continue them.
@@ -60,10 +62,10 @@ std::optional<double> spacing_of_images(const FrameHeights& heights) {
 GridSpacing grid_spacing(const FrameHeights& heights) {
     assert(!heights.frames.empty());
     const std::vector<double> gaps = gaps_of(heights.frames);
-    const std::optional<double> images = usable(spacing_of_images(heights));
-    if (images && fits(gaps, *images)) return {*images, GridSource::images};
     if (const auto stated = usable(heights.stated_mm); stated && fits(gaps, *stated))
         return {*stated, GridSource::stated_spacing};
+    const std::optional<double> images = usable(spacing_of_images(heights));
+    if (images && fits(gaps, *images)) return {*images, GridSource::images};
     const std::optional<double> thickness = usable(heights.thickness_mm);
     if (gaps.empty()) return thickness ? GridSpacing{*thickness, GridSource::thickness} : GridSpacing{};
     const double least = *std::min_element(gaps.begin(), gaps.end());

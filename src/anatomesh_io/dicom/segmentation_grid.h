@@ -2,8 +2,8 @@
 //
 // A segmentation stores the frames that hold something. Planes between them that are not stored are empty, as
 // the format allows (DICOM PS3.3 C.8.20.2), so the distance of stored frames alone does not say how far apart
-// planes are: two lesions 24 mm apart are not one of 24 mm. What states it is used in this order: the images
-// beside the segmentation, SpacingBetweenSlices, SliceThickness, and at last the distances of the frames.
+// planes are: two lesions 24 mm apart are not one of 24 mm. What states it is used in this order:
+// SpacingBetweenSlices, the images beside the segmentation, SliceThickness, and at last the distances of the frames.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +30,10 @@ struct FrameHeights {
 };
 
 // The first of these that all distances of neighbouring frames are multiples of, within a hundredth of it: the
-// images' spacing (their least distance, where the frames lie on images), the stated one, the thickness, the
-// largest part of the least distance (at most its tenth part). If three frames or more are all two thicknesses
+// stated spacing (its sign is no matter), the images' one (their least distance, where the frames lie on images), the
+// thickness, the largest part of the least distance (at most its tenth part). If three frames or more are all two thicknesses
 // apart, their distance is taken, for gaps of one thickness between slices are usual. Of a single plane the
-// spacing is that of the images, the stated one, or the thickness. Requires: frames is not empty.
+// spacing is the stated one, that of the images, or the thickness. Requires: frames is not empty.
 // Complexity: O(frames + images).
 GridSpacing grid_spacing(const FrameHeights& heights);
 

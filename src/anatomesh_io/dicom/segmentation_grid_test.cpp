@@ -40,6 +40,10 @@ TEST(SegmentationGrid, WhatIsStatedHoldsWhateverFramesAreStored) {
         by_spacing.stated_mm = spacing;
         by_spacing.thickness_mm = spacing / 2;
         EXPECT_NEAR(grid_spacing(by_spacing).mm, spacing, 1e-9);
+        by_spacing.stated_mm = -spacing;
+        const std::vector<double> finer{-17.3, -17.3 + spacing / 2};
+        by_spacing.images = finer;
+        EXPECT_NEAR(grid_spacing(by_spacing).mm, spacing, 1e-9) << "what the file states comes first";
         FrameHeights by_thickness{frames};
         by_thickness.thickness_mm = spacing;
         const GridSpacing grid = grid_spacing(by_thickness);
@@ -93,7 +97,7 @@ TEST(SegmentationGrid, FramesThatAreAllTwoThicknessesApartAreNeighbours) {
 }
 
 TEST(SegmentationGrid, ValuesThatNoSliceHasAreNoWord) {
-    for (const double mm : {0.0, -3.0, 1e-9, 1e6, std::nan("")}) {
+    for (const double mm : {0.0, 1e-9, -1e6, 1e6, std::nan("")}) {
         std::vector<double> frames{0};
         FrameHeights heights{frames};
         heights.thickness_mm = heights.stated_mm = mm;

@@ -207,13 +207,15 @@ bool needs_grey(const MaterialFile& file) {
                        [](const NamedLaw& named) { return named.law.kind != MaterialLaw::Kind::constant; });
 }
 
-Status apply_materials(ModelFile& model, const MaterialFile& file) {
+Status apply_materials(ModelFile& model, const MaterialFile& file, std::span<const Structure> others) {
     const MeshDescription& description = model.description;
     std::vector<MaterialLaw> laws;
     for (const NamedLaw& named : file.laws) {
         laws.push_back(named.law);
-        const bool used = std::any_of(description.structures.begin(), description.structures.end(),
-                                      [&](const Structure& structure) { return names(named, structure); });
+        const auto is_named = [&](const Structure& structure) { return names(named, structure); };
+        const bool used =
+            std::any_of(description.structures.begin(), description.structures.end(), is_named) ||
+            std::any_of(others.begin(), others.end(), is_named);
         if (!used && !named.optional) return names_nothing(named, description, file.path);
     }
     std::vector<std::uint32_t> law_of_region(description.regions.members.size(), no_cell);

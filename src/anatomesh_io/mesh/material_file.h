@@ -13,6 +13,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,8 +41,9 @@ Result<MaterialFile> read_material_file(const std::string& path, const InputLimi
 bool needs_grey(const MaterialFile& file);
 
 // Gives every cell its material: that of the first law which names a structure of the cell's region, or none.
-// Requires: model.grey is set when a law needs it. Errors: E-MAT-003; E-MAT-004; E-ELM-002.
-Status apply_materials(ModelFile& model, const MaterialFile& file);
+// `others`: structures of models beside it that the laws are for as well. Requires: model.grey is set when a law needs
+// it. Errors: E-MAT-003; E-MAT-004; E-ELM-002.
+Status apply_materials(ModelFile& model, const MaterialFile& file, std::span<const Structure> others = {});
 
 // What materials a structure has: how many, in how much of it, and from which modulus to which.
 struct MaterialRange {

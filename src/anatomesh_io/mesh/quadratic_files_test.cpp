@@ -327,6 +327,10 @@ TEST_F(MaterialFiles, a_law_that_names_nothing_is_refused) {
         EXPECT_NE(refused.error().message.find("bone"), std::string::npos) << "it names what there is";
         EXPECT_TRUE(m.material.empty());
     }
+    ModelFile m = model(4, false, true, false);
+    const auto file = read(law_file(R"([{"structure": "liver", "young_mpa": 3}, {"young_mpa": 1}])"));
+    const std::vector<Structure> of_run{{1, "liver", {}}, {2, "bone", {}}};
+    EXPECT_TRUE(apply_materials(m, file.value(), of_run).ok()) << "another model of the run has it";
     EXPECT_EQ(code(law_file(R"([{"young_mpa": 5, "optional": 1}])")), "E-MAT-002 laws[0].optional");
 }
 

@@ -16,7 +16,9 @@ constexpr std::size_t least_slices = 3;
 // [1; 0 to 1; D more than half cannot be by chance for two bodies side by side]
 constexpr double least_overlap = 0.5;
 // So many of the pairs of slices must show one body. [1; 0 to 1; D a majority]
-constexpr double least_overlapping = 2.0 / 3;
+constexpr double least_overlapping = 0.5;
+// So many of the slices must stand alone. [1; 0 to 1; D a majority of two thirds]
+constexpr double least_alone = 0.6;
 
 // On which slices along each axis a structure is.
 using Occupied = std::array<std::vector<bool>, 3>;
@@ -40,15 +42,19 @@ std::vector<Occupied> occupied_slices(const LabelMap& labels) {
     return occupied;
 }
 
-// The slices of a structure along an axis, if there are enough and no two are neighbours.
+// The slices of a structure along an axis, if there are enough and nearly all stand alone: a stray voxel, or one
+// slice painted beside another, changes nothing about the others.
 std::optional<std::vector<std::uint32_t>> lone_slices(const std::vector<bool>& occupied) {
     std::vector<std::uint32_t> slices;
+    std::size_t alone = 0;
     for (std::uint32_t n = 0; n < occupied.size(); ++n) {
         if (!occupied[n]) continue;
-        if (!slices.empty() && n == slices.back() + 1) return std::nullopt;
         slices.push_back(n);
+        alone += !(n > 0 && occupied[n - 1]) && !(n + 1 < occupied.size() && occupied[n + 1]);
     }
-    return slices.size() >= least_slices ? std::optional(std::move(slices)) : std::nullopt;
+    if (alone < least_slices || static_cast<double>(alone) < least_alone * static_cast<double>(slices.size()))
+        return std::nullopt;
+    return slices;
 }
 
 struct Candidate {

@@ -21,8 +21,8 @@ struct SparseStructure {
     double joined_mm3 = 0;        // with what lies between the slices, by the trapezoidal rule
 };
 
-// A structure is sparse along an axis if it is on three slices or more, no two of which are neighbours, and
-// two in three of those that follow each other overlap by half of the smaller one, seen along the axis. Of
+// A structure is sparse along an axis if three of its slices or more, and 60 % of all, have no neighbour with it, and
+// half of those that follow each other overlap by half of the smaller one, seen along the axis. Of
 // several such axes the one with the fewest slices is taken. In the order of the structures.
 // Complexity: O(voxels), and structures x slices in memory (bits).
 std::vector<SparseStructure> find_sparse_structures(const LabelMap& labels);

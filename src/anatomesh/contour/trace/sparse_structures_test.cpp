@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -62,6 +63,50 @@ TEST(SparseStructures, UnevenStepsAreSparseToo) {
         find_sparse_structures(map_of([&](auto at) { return in_ball(at, 14) && painted(at[2]); }));
     ASSERT_EQ(sparse.size(), 1u);
     EXPECT_EQ(sparse[0].slices, 5u);
+}
+
+// A slip of the brush, or one slice painted beside another, is no reason for plates in silence.
+TEST(SparseStructures, AStrayVoxelOrOneSliceMoreChangesNothing) {
+    const auto with = [](std::uint32_t more, bool whole) {
+        return find_sparse_structures(map_of([=](auto at) {
+            const bool painted = at[2] % 4 == 1 || (at[2] == more && (whole || (at[0] == 20 && at[1] == 20)));
+            return in_ball(at, 14) && painted;
+        }));
+    };
+    for (const bool whole : {false, true}) {
+        for (const std::uint32_t more : {10u, 14u, 18u, 22u}) {
+            const auto sparse = with(more, whole);
+            ASSERT_EQ(sparse.size(), 1u) << more << whole;
+            EXPECT_EQ(sparse[0].axis, 2u);
+        }
+    }
+}
+
+// Each axis of the patient has a voxel axis of its own, however the image lies.
+TEST(SparseStructures, AnObliqueImageIsTakenAlongTheAxisThatTheMessageNames) {
+    for (const double degrees : {0.0, 20.0, 45.0, 70.0, 90.0, 135.0}) {
+        const double c = std::cos(degrees * std::numbers::pi / 180),
+                     s = std::sin(degrees * std::numbers::pi / 180);
+        LabelMap map = map_of([](auto at) { return in_ball(at, 14) && at[0] % 5 == 2; });
+        map.geometry.step = {Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}};
+        std::size_t joined = 0;
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+            TraceOptions options;
+            options.axis = axis;
+            options.between_sparse = BetweenSparse::interpolated;
+            RunContext context;
+            const auto traced = trace_contours(map, nullptr, 0, options, context);
+            ASSERT_TRUE(traced.ok());
+            if (traced.value().kept.complete) continue;
+            ++joined;
+            const auto told =
+                std::find_if(context.warnings.begin(), context.warnings.end(),
+                             [](const Warning& warning) { return warning.code == "W-TRC-007"; });
+            ASSERT_NE(told, context.warnings.end());
+            EXPECT_NE(told->message.find(std::string("along ") + "xyz"[axis]), std::string::npos);
+        }
+        EXPECT_EQ(joined, 1u) << degrees;
+    }
 }
 
 TEST(SparseStructures, OnlyTheSparseOneOfSeveralIsNamed) {

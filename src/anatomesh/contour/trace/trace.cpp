@@ -21,6 +21,25 @@ namespace anatomesh {
 
 namespace {
 
+// Which axis of the patient (x, y, z) each voxel axis stands for: the assignment that fits all three best, so that
+// each has its own, also where an image lies obliquely.
+std::array<std::uint32_t, 3> patient_axes(const ImageGeometry& geometry) {
+    std::array<std::uint32_t, 3> order{0, 1, 2}, best = order;
+    double most = -1;
+    do {
+        double fit = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const Vec3 step = normalized(geometry.step[a]);
+            fit += std::abs(std::array{step.x, step.y, step.z}[order[a]]);
+        }
+        if (fit > most + 1e-9) {
+            most = fit;
+            best = order;
+        }
+    } while (std::next_permutation(order.begin(), order.end()));
+    return best;
+}
+
 // How the voxels of an image are walked slice by slice: i and j in the slice, k across.
 struct SliceAxes {
     std::array<std::uint32_t, 3> axis{0, 1, 2};  // voxel axis of i, j, k
@@ -31,15 +50,15 @@ struct SliceAxes {
                   // signs
 
     SliceAxes(const ImageGeometry& geometry, const std::optional<std::uint32_t>& patient_axis) {
-        const auto along = [&](std::uint32_t a) {
-            const Vec3 step = geometry.step[a];
-            if (!patient_axis) return length(step);
-            return std::abs(std::array{step.x, step.y, step.z}[*patient_axis]) / length(step);
-        };
         std::uint32_t across = 0;
         for (std::uint32_t a = 1; a < 3; ++a) {
             // Equal but for rounding counts as equal.
-            if (along(a) >= along(across) * (1 - 1e-6)) across = a;
+            if (length(geometry.step[a]) >= length(geometry.step[across]) * (1 - 1e-6)) across = a;
+        }
+        if (patient_axis) {
+            const std::array<std::uint32_t, 3> patient = patient_axes(geometry);
+            across = static_cast<std::uint32_t>(std::find(patient.begin(), patient.end(), *patient_axis) -
+                                                patient.begin());
         }
         axis = across == 2   ? std::array<std::uint32_t, 3>{0, 1, 2}
                : across == 1 ? std::array<std::uint32_t, 3>{0, 2, 1}
@@ -321,11 +340,8 @@ bool is_sparse_along(const std::vector<SparseStructure>& sparse, const SliceAxes
                        [&](const SparseStructure& of) { return of.axis == axes.axis[2]; });
 }
 
-// The letter of the patient's axis that a voxel axis is nearest to.
 std::string patient_axis_of(const ImageGeometry& geometry, std::uint32_t axis) {
-    const Vec3 step = geometry.step[axis];
-    const std::array shares{std::abs(step.x), std::abs(step.y), std::abs(step.z)};
-    return std::string(1, "xyz"[std::max_element(shares.begin(), shares.end()) - shares.begin()]);
+    return std::string(1, "xyz"[patient_axes(geometry)[axis]]);
 }
 
 // `joins`: what lies between the slices is interpolated.
@@ -338,8 +354,8 @@ void warn_about_sparse(const LabelMap& labels, const SliceAxes& axes,
         context.warn(
             {"W-TRC-007",
              "the structure is painted on " + std::to_string(of.slices) + " slices along " +
-                 patient_axis_of(labels.geometry, of.axis) + ", about every " + std::to_string(of.step) +
-                 "th, with nothing between them",
+                 patient_axis_of(labels.geometry, of.axis) + ", about " + std::to_string(of.step) +
+                 " slices apart, with nothing between them",
              {labels.source, "", name_of(labels.structures[of.structure]), "",
               brief(of.painted_mm3) + " mm3 as painted, about " + brief(of.joined_mm3) +
                   " mm3 with what lies between"},
@@ -447,7 +463,9 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     set.structures = labels.structures;
     set.drawn = false;
     const std::vector<SparseStructure> sparse =
-        options.every == 1 ? find_sparse_structures(labels) : std::vector<SparseStructure>();
+        options.every == 1 || options.between_sparse == BetweenSparse::interpolated
+            ? find_sparse_structures(labels)
+            : std::vector<SparseStructure>();
     const bool joins = options.between_sparse == BetweenSparse::interpolated && is_sparse_along(sparse, axes);
     set.exclusive = set.complete = !joins;
     set.pixel_mm = axes.pixel();
@@ -467,6 +485,12 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     warn_about_structures(labels, slices, set, context);
     warn_about_missed_pieces(labels, axes, options, settings.min_pixels, set, context);
     warn_about_sparse(labels, axes, sparse, joins, context);
+    if (options.between_sparse == BetweenSparse::interpolated && sparse.empty()) {
+        context.warn({"W-TRC-008",
+                      "no structure is painted on single slices with nothing between them",
+                      {labels.source, "", "", "", ""},
+                      "nothing was interpolated; leave out --between-sparse"});
+    }
     return result;
 }
 

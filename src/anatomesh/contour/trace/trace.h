@@ -70,7 +70,7 @@ struct TraceResult {
 // Errors: geometry E-TRC-001 nothing to trace (with the labels that are empty), E-TRC-002 no slice kept; limit
 // E-TRC-003 slice too large. Warnings: W-TRC-001 cut by the image border, W-TRC-002 islands left out, W-TRC-003 holes
 // filled, W-TRC-004 structure without a contour, W-TRC-005 islands left out are over 5 % of the area, W-TRC-006 pieces
-// that no kept slice meets, W-TRC-007 a structure that is painted on some slices alone, W-CON-024 simplification changed the area of a structure by more than 5 %.
+// that no kept slice meets, W-TRC-007 a structure that is painted on some slices alone, W-TRC-008 none is, W-CON-024 simplification changed the area of a structure by more than 5 %.
 // Source: Lorensen and Cline, SIGGRAPH 1987, in the plane; many labels as in Hege et al., ZIB SC-97-05, 1997.
 Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey, double threshold,
                                    const TraceOptions& options, RunContext& context);

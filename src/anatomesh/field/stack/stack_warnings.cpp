@@ -55,7 +55,7 @@ void warn_about_knots(const ContourSet& set, std::uint32_t structure, const Stru
                   " to " + text(first.second) + " mm along the normal"},
              "the structure was continued through the gaps; draw separate parts as separate structures"});
     }
-    if (set.drawn && !knots.not_drawn.empty()) {
+    if (set.drawn && !set.complete && !knots.not_drawn.empty()) {
         context.warn({"W-FLD-003",
                       "the structure is not drawn on every slice between its first and its last one",
                       {set.source, set.slices[knots.not_drawn.front()].name, name, "",
