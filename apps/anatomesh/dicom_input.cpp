@@ -48,14 +48,11 @@ void hide_path(const DicomObject& object, RunContext& context) {
         if (warning.place.file == object.path) warning.place.file = object.label;
 }
 
-Result<RawContours> contours_in(const DicomObject& object, bool has_images, const InputOptions& options,
-                                RunContext& context) {
+Result<RawContours> contours_in(const DicomObject& object, const InputOptions& options, RunContext& context) {
     ReadContoursOptions reading;
     reading.limits = options.limits.contour;
     reading.file_limits = options.limits.input;
     reading.unit_mm = options.unit_mm;
-    // Images say better than small numbers in what the coordinates are (check_against_images).
-    if (has_images && !reading.unit_mm) reading.unit_mm = 1;
     auto raw = read_contours(object.path, reading, context);
     hide_path(object, context);
     if (!raw.ok()) {
@@ -161,19 +158,45 @@ RawContours outline_of(const LoadedSegmentation& loaded) {
 }
 
 // Contours, or a segmentation's rims, beside the images that their object refers to, or that lie as it does.
-Status compare_with_images(const RawContours& contours, const DicomFolder& folder, const DicomObject& object,
-                           const DicomChoice& choice, const InputOptions& options, RunContext& context) {
+// Returns whether all contours lie on images.
+Result<bool> compare_with_images(const RawContours& contours, const DicomFolder& folder,
+                                 const DicomObject& object, const DicomChoice& choice,
+                                 const InputOptions& options, RunContext& context) {
     std::vector<std::uint32_t> images = choice.images;
     if (images.empty() && options.match_by_geometry) {
         ANATOMESH_TRY(images, match_images(contours, folder));
     }
-    ANATOMESH_CHECK_STATUS(check_against_images(
-        contours, folder, images, {options.allow_outside, options.unit_mm.has_value()}, context));
-    if (images.empty() || object.kind != DicomKind::rtstruct) return Nothing{};
+    ANATOMESH_TRY(const bool are_on_images,
+                  check_against_images(contours, folder, images,
+                                       {options.allow_outside, options.unit_mm.has_value()}, context));
+    if (images.empty() || object.kind != DicomKind::rtstruct) return are_on_images;
     ANATOMESH_TRY(const InputFile file, read_input_file(object.path, options.limits.input));
     const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
     ANATOMESH_TRY(const DataSet set, DataSet::parse(bytes, object.label));
-    return check_references(set.root(), folder, images, context);
+    ANATOMESH_CHECK_STATUS(check_references(set.root(), folder, images, context));
+    return are_on_images;
+}
+
+// The contours of an RTSTRUCT, held against its images. What small numbers say of the unit holds unless all contours
+// lie on images.
+Result<RawContours> contours_beside_images(const DicomFolder& folder, const DicomChoice& choice,
+                                           const InputOptions& options, RunContext& context) {
+    const DicomObject& object = folder.objects[choice.objects[0]];
+    const std::size_t said = context.warnings.size();
+    Result<RawContours> raw = contours_in(object, options, context);
+    std::optional<Error> doubt;
+    if (!raw.ok() && raw.error().code == "E-RTS-011") {
+        doubt = raw.error();
+        context.warnings.resize(said);
+        InputOptions as_mm = options;
+        as_mm.unit_mm = 1;
+        raw = contours_in(object, as_mm, context);
+    }
+    if (!raw.ok()) return raw;
+    ANATOMESH_TRY(const bool are_on_images,
+                  compare_with_images(raw.value(), folder, object, choice, options, context));
+    if (doubt && !are_on_images) return *doubt;
+    return raw;
 }
 
 }  // namespace
@@ -205,16 +228,15 @@ Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context)
         opened.files.push_back(report_of(folder, choice.objects, "DICOM images"));
     } else if (choice.kind == DicomKind::rtstruct) {
         opened.kind = FileKind::dicom_rtstruct;
-        ANATOMESH_TRY(opened.contours, contours_in(object, !choice.images.empty(), options, context));
-        ANATOMESH_CHECK_STATUS(
-            compare_with_images(*opened.contours, folder, object, choice, options, context));
+        ANATOMESH_TRY(opened.contours, contours_beside_images(folder, choice, options, context));
         if (lies_along_images(*opened.contours, folder, choice.images))
             opened.contours->slice_thickness_mm = thickness_of_images(folder, choice.images);
         opened.files.push_back(report_of(folder, choice.objects, name_of(opened.kind)));
     } else {
         opened.kind = FileKind::dicom_segmentation;
         ANATOMESH_TRY(opened.segmentation, segmentation_in(folder, choice, options, context));
-        ANATOMESH_CHECK_STATUS(
+        ANATOMESH_TRY(
+            [[maybe_unused]] const bool are_on_images,
             compare_with_images(outline_of(*opened.segmentation), folder, object, choice, options, context));
         opened.files.push_back(report_of(folder, choice.objects, name_of(opened.kind)));
     }

@@ -170,6 +170,41 @@ class Folders(harness.TestCase):
         contours.save_as(str(self.study / "rs"), write_like_original=True)
         self.run_program("contours", "study", "-o", "x.json")
 
+    def test_the_unit_of_contours_is_what_images_say_it_is(self):
+        """In metres: refused alone, beside images in mm and beside images elsewhere; accepted beside their own, or with --unit."""
+        def scaled(value):
+            return [f"{float(v) / 1000:.9g}"[:16] for v in value]
+
+        write_series(self.study)
+        self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")
+        metres = pydicom.dcmread(self.folder / "rs.dcm")
+        for roi in metres.ROIContourSequence:
+            for contour in roi.ContourSequence:
+                contour.ContourData = scaled(contour.ContourData)
+        metres.save_as(self.folder / "metres.dcm")
+        self.assert_refused(["model", "metres.dcm", "-o", "x.vtu"], 3, "E-RTS-011", "--unit")
+        for name, code in (("in_mm", "E-DCM-038"), ("elsewhere", "E-RTS-011"), ("own", None)):
+            folder = self.folder / name
+            folder.mkdir()
+            for path in self.study.iterdir():
+                image = pydicom.dcmread(path)
+                if name == "elsewhere":
+                    image.ImagePositionPatient[2] += 0.777
+                if name == "own":
+                    image.ImagePositionPatient = scaled(image.ImagePositionPatient)
+                    image.PixelSpacing, image.SliceThickness = scaled(image.PixelSpacing), 0.001
+                image.save_as(folder / path.name)
+            metres.save_as(folder / "rs.dcm")
+            if code:
+                self.assert_refused(["model", name, "-o", "x.vtu", "--allow-outside"], 3, code)
+            else:
+                self.run_program("contours", name, "-o", "own.json", "--quiet")
+        self.run_program("model", "in_mm", "--unit", "m", "-o", "m.vtu", "--quiet")
+        self.run_program("model", "rs.dcm", "-o", "mm.vtu", "--quiet")
+        volume = [json.loads((self.folder / f"{name}.report.json").read_text())["structures"][0]["volume_mesh_mm3"]
+                  for name in ("m", "mm")]
+        self.assertAlmostEqual(volume[0] / volume[1], 1, delta=1e-3)
+
     def test_contours_on_frames_of_one_image(self):
         """Frames with places are held against the contours that name them; without places nothing says where these lie."""
         write_series(self.study)

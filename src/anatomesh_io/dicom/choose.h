@@ -49,14 +49,14 @@ struct AcceptContours {
     bool unit_is_given = false;  // --unit: the coordinates are in mm by now
 };
 
-// Compares contours with the places of the images they refer to. Errors: E-DCM-037 no contour lies within the
+// Compares contours with the places of the images they refer to, and returns whether all lie on images. Errors: E-DCM-037 no contour lies within the
 // images, unless accept.outside; E-DCM-038 the coordinates contradict the images, and would lie on them if they
 // were cm or m and not mm, unless accept.unit_is_given. Warns W-DCM-019 of planes that lie on no image, W-DCM-020
 // of contours outside all images. Where all contours lie on images, their unit is right, so that W-RTS-006 is taken
 // back. Images whose places cannot be read are passed over.
-Status check_against_images(const RawContours& contours, const DicomFolder& folder,
-                            const std::vector<std::uint32_t>& images, const AcceptContours& accept,
-                            RunContext& context);
+Result<bool> check_against_images(const RawContours& contours, const DicomFolder& folder,
+                                  const std::vector<std::uint32_t>& images, const AcceptContours& accept,
+                                  RunContext& context);
 
 // Warns W-DCM-024 of contours of an RTSTRUCT that lie elsewhere than on the image, or the frame, that each says it
 // was drawn on, and W-DCM-025 of frames that the image does not have. Their coordinates count. Error: E-DCM-039 they

@@ -159,16 +159,17 @@ std::uint64_t named_frame(const DicomItem& reference) {
 
 }  // namespace
 
-Status check_against_images(const RawContours& contours, const DicomFolder& folder,
-                            const std::vector<std::uint32_t>& images, const AcceptContours& accept,
-                            RunContext& context) {
+Result<bool> check_against_images(const RawContours& contours, const DicomFolder& folder,
+                                  const std::vector<std::uint32_t>& images, const AcceptContours& accept,
+                                  RunContext& context) {
     const ImagePlanes planes(folder, images);
-    if (planes.empty()) return Nothing{};
+    if (planes.empty()) return false;
     const Counts counts = count_places(contours, planes, 1);
     if (!accept.unit_is_given) {
         ANATOMESH_CHECK_STATUS(check_unit(contours, planes, counts));
     }
-    if (counts.on > 0 && counts.between + counts.outside == 0)
+    const bool are_on_images = counts.on > 0 && counts.between + counts.outside == 0;
+    if (are_on_images)
         std::erase_if(context.warnings, [](const Warning& warning) { return warning.code == "W-RTS-006"; });
     if (counts.outside > 0 && counts.on + counts.between == 0 && !accept.outside)
         return Error{ErrorKind::input,
@@ -186,7 +187,7 @@ Status check_against_images(const RawContours& contours, const DicomFolder& fold
                       fmt::format("{} contours lie outside the images they refer to", counts.outside),
                       {contours.source, {}, {}, {}, {}},
                       "their coordinates were used"});
-    return Nothing{};
+    return are_on_images;
 }
 
 Result<std::vector<std::uint32_t>> match_images(const RawContours& contours, const DicomFolder& folder) {
