@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/base/plural.h"
 #include "anatomesh_io/contour/read_contours.h"
 #include "anatomesh_io/dicom/choose.h"
@@ -25,7 +26,7 @@ DicomFolderOptions folder_options(const InputOptions& options) {
     DicomFolderOptions reading;
     reading.keep_names = options.keep_patient_ids;
     reading.limits = options.limits.input;
-    reading.ultrasound_region = options.ultrasound_region;
+    reading.frames = {options.ultrasound_region, options.frame_step_mm};
     return reading;
 }
 
@@ -199,6 +200,18 @@ Result<RawContours> contours_beside_images(const DicomFolder& folder, const Dico
     return raw;
 }
 
+void warn_of_unused_step(const DicomFolder& folder, const std::vector<std::uint32_t>& objects,
+                         const InputOptions& options, RunContext& context) {
+    const bool is_used = std::any_of(objects.begin(), objects.end(), [&](std::uint32_t index) {
+        return folder.objects[index].placed_by_step;
+    });
+    if (options.frame_step_mm && !is_used)
+        context.warn({"W-CMD-003",
+                      "the images state the place of every frame",
+                      {options.input, "", "", "", "--frame-step " + number_text(*options.frame_step_mm)},
+                      "the option was not used"});
+}
+
 }  // namespace
 
 Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context) {
@@ -221,6 +234,9 @@ Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context)
         ReadSeriesOptions reading;
         if (options.volume) reading.volume = *options.volume;
         reading.allow_gaps = options.allow_gaps;
+        if (options.frame == "LPS") reading.frame = ImageFrame::lps;
+        if (options.frame == "RAS") reading.frame = ImageFrame::ras;
+        warn_of_unused_step(folder, choice.objects, options, context);
         reading.max_voxels = options.limits.voxels;
         reading.limits = options.limits.input;
         opened.kind = FileKind::dicom;

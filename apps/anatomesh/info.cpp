@@ -198,8 +198,9 @@ Status run_info(InputOptions options, Session& session) {
     Json answer;
     answer["file"] = options.input;
     answer["kind"] = name_of(input.kind);
-    const bool known_axes =
-        input.contours ? input.contours->frame != Frame::unknown : !input.image || input.image->known_axes;
+    const bool known_axes = input.contours ? input.contours->frame != Frame::unknown
+                            : input.image  ? input.image->known_axes
+                                           : input.segmentation->known_axes;
     answer["space"] = known_axes ? "LPS" : "unknown";
     answer["unit"] = "mm";
     answer["inputs"] = inputs_json(input.files);

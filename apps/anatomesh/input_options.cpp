@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string_view>
 
 #include "help_text.h"
@@ -13,6 +14,10 @@ namespace {
 
 // Grey values beyond this are no threshold of any image. [grey values; > 0; C]
 constexpr double largest_value = 1e15;
+// Frames of no image lie so far apart. [mm; > smallest_frame_step_mm; C]
+constexpr double largest_frame_step_mm = 1e4;
+// Frames that lie nearer lie in one plane. [mm; > 0; C]
+constexpr double smallest_frame_step_mm = 1e-3;
 
 ThresholdOptions threshold_of(const std::string& text) {
     const std::size_t colon = text.find(':');
@@ -73,6 +78,18 @@ void add_reading_options(CLI::App& verb, InputOptions& options) {
     add_optional_count(
         verb, "--ultrasound-region", options.ultrasound_region, 0,
         "The region whose scale applies, for an ultrasound image with several. The first one is 0.");
+    verb.add_option_function<std::string>(
+            "--frame-step",
+            [&options](const std::string& text) {
+                options.frame_step_mm =
+                    strict_number("--frame-step", text, -largest_frame_step_mm, largest_frame_step_mm);
+                if (std::abs(*options.frame_step_mm) < smallest_frame_step_mm)
+                    throw CLI::ValidationError("--frame-step", fmt::format("'{}' is nearer to 0 than {}",
+                                                                           text, smallest_frame_step_mm));
+            },
+            "Distance of each frame from the one before, for a DICOM file that states the place of its first "
+            "frame alone. It counts along row x column of that frame; a negative one counts against it.")
+        ->type_name("MM");
     const auto read_matrix = [&options](const std::string& text) {
         options.image_to_probe.clear();
         for (std::size_t begin = 0; begin <= text.size();) {

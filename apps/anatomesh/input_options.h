@@ -27,6 +27,7 @@ struct InputOptions {
          allow_outside = false;
     std::optional<double> unit_mm;  // of the coordinates of contours: 1, 10 or 1000; nothing: 1, and checked
     std::optional<std::uint32_t> ultrasound_region;
+    std::optional<double> frame_step_mm;
     // Tracked sequences.
     std::vector<double> image_to_probe;
     std::string pose_to;
@@ -41,7 +42,7 @@ struct InputOptions {
 
 // INPUT and how to place it: --frame, --use, --assume-orientation, --volume, --series, --allow-gaps,
 // --keep-patient-ids, --ignore-frame-of-reference, --ignore-patient, --match-by-geometry, --allow-outside,
-// --ultrasound-region, --image-to-probe, --pose-to.
+// --ultrasound-region, --frame-step, --image-to-probe, --pose-to.
 void add_reading_options(CLI::App& verb, InputOptions& options);
 
 // How drawn contours are read and repaired: --holes, --unite-repeated-planes, --closing-gap, --same-line,

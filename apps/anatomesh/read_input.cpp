@@ -108,6 +108,7 @@ Status check_special_options(const InputOptions& options, FileKind kind) {
         {"--match-by-geometry", options.match_by_geometry},
         {"--allow-outside", options.allow_outside},
         {"--ultrasound-region", options.ultrasound_region.has_value()},
+        {"--frame-step", options.frame_step_mm.has_value()},
         {"--keep-patient-ids", options.keep_patient_ids}};
     for (const auto& [option, given] : of_dicom) {
         if (given && !is_dicom(kind)) return does_not_apply(option, options.input, why);
@@ -256,7 +257,9 @@ Result<PreparedContours> contours_of_image(OpenedInput& input, const InputOption
         return contours_of_frames(std::move(labels), image, grey, prepare, context, check);
     std::vector<LabelMap> layers;
     layers.push_back(std::move(labels));
-    return prepare_contours(std::move(layers), grey, prepare, context, check);
+    PrepareOptions of_image = prepare;
+    of_image.label_maps.frame = image.known_axes ? Frame::lps : Frame::unknown;
+    return prepare_contours(std::move(layers), grey, of_image, context, check);
 }
 
 Result<PreparedContours> contours_of_segmentation(OpenedInput& input, const InputOptions& options,
@@ -264,7 +267,9 @@ Result<PreparedContours> contours_of_segmentation(OpenedInput& input, const Inpu
                                                   const ContoursCheck& check) {
     if (prepare.label_maps.threshold)
         return does_not_apply("--threshold", options.input, "the input is a segmentation");
-    return prepare_contours(std::move(input.segmentation->layers), nullptr, prepare, context, check);
+    PrepareOptions of_segmentation = prepare;
+    of_segmentation.label_maps.frame = input.segmentation->known_axes ? Frame::lps : Frame::unknown;
+    return prepare_contours(std::move(input.segmentation->layers), nullptr, of_segmentation, context, check);
 }
 
 Result<PreparedContours> contours_of_file(OpenedInput& input, const InputOptions& options,
@@ -301,6 +306,7 @@ std::vector<std::pair<std::string, std::string>> reading_told(const InputOptions
         if (given) used.emplace_back(name, "yes");
     if (options.ultrasound_region)
         used.emplace_back("ultrasound_region", std::to_string(*options.ultrasound_region));
+    if (options.frame_step_mm) used.emplace_back("frame_step_mm", number_text(*options.frame_step_mm));
     if (!options.pose_to.empty()) used.emplace_back("pose_to", options.pose_to);
     if (!options.image_to_probe.empty()) {
         std::string matrix;

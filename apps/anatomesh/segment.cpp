@@ -63,6 +63,12 @@ Result<LoadedImage> open_grey(const SegmentVerbOptions& options, std::vector<Inp
         image.image.geometry.step = {Vec3{length(first.step[0]), 0, 0}, Vec3{0, length(first.step[1]), 0},
                                      Vec3{0, 0, 1}};
     }
+    if (!image.known_axes && check_extension(options.output, label_extensions).ok())
+        return Error{ErrorKind::usage,
+                     "E-CMD-018",
+                     "the axes of the image are unknown, and label maps need them",
+                     {options.input.input, "", "", "", ""},
+                     "give --frame LPS or --frame RAS"};
     if (options.despeckle_mm > 0) {
         ANATOMESH_CHECK_STATUS(reduce_speckle(image.image, options.despeckle_mm, context));
     }
@@ -136,10 +142,10 @@ Result<std::string> file_of(const LabelMap& labels, const std::vector<TaskResult
     const GreyImage* grey = by_value ? &image.image : nullptr;
     const double level = by_value ? results[0].segmentation.low.value_or(0) : 0;
     const Frame frame = image.known_axes ? Frame::lps : Frame::unknown;
-    ANATOMESH_TRY(const TraceResult traced,
-                  image.poses.empty()
-                      ? trace_contours(labels, grey, level, {}, context)
-                      : trace_frames(labels, image.poses, frame, grey, level, 0, {}, context));
+    ANATOMESH_TRY(TraceResult traced, image.poses.empty() ? trace_contours(labels, grey, level, {}, context)
+                                                          : trace_frames(labels, image.poses, frame, grey,
+                                                                         level, 0, {}, context));
+    traced.kept.frame = frame;
     return format_contours(traced.kept, format, context);
 }
 

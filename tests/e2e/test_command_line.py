@@ -159,7 +159,7 @@ class WrongCommands(harness.TestCase):
     def test_P03_options_of_dicom_tracking_and_other_slices_for_parallel_contours(self):
         matrix = "1,0,0,0,0,1,0,0,0,0,1,0"
         for words in (["--series", "x"], ["--allow-gaps"], ["--ignore-patient"], ["--ignore-frame-of-reference"],
-                      ["--match-by-geometry"], ["--allow-outside"], ["--ultrasound-region", "1"],
+                      ["--match-by-geometry"], ["--allow-outside"], ["--ultrasound-region", "1"], ["--frame-step", "1"],
                       ["--keep-patient-ids"], ["--image-to-probe", matrix], ["--pose-to", "Tracker"],
                       ["--slice-thickness", "7"], ["--align"], ["--reconcile", "0"], ["--max-disagreement", "5"]):
             self.assert_refused(["model", "ball.json", "-o", "a.vtu", *words], 2, "E-CMD-008", words[0])

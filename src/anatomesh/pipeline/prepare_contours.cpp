@@ -229,6 +229,7 @@ Result<std::vector<TraceResult>> trace_layers(std::vector<LabelMap> layers, cons
         if (options.label_maps.keep_largest) keep_largest(map, *options.label_maps.keep_largest);
         if (context.cancelled()) return cancelled_error();
         ANATOMESH_TRY(TraceResult layer, trace_contours(map, grey, level, trace_options(options), context));
+        layer.kept.frame = options.label_maps.frame;
         traced.push_back(std::move(layer));
     }
     return traced;

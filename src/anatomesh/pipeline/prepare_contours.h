@@ -63,6 +63,7 @@ struct LabelMapOptions {
     std::optional<std::uint32_t> axis;
     // Of a structure that is painted on every n-th slice alone.
     BetweenSparse between_sparse = BetweenSparse::nothing;
+    Frame frame = Frame::lps;  // of the maps' geometry
 };
 
 struct PrepareOptions {

@@ -28,11 +28,13 @@ enum class Lies : std::uint8_t { on, between, outside, across };
 class ImagePlanes {
   public:
     ImagePlanes(const DicomFolder& folder, const std::vector<std::uint32_t>& images) {
-        for (const std::uint32_t index : images)
+        for (const std::uint32_t index : images) {
+            if (!folder.objects[index].known_axes) continue;  // contours are in the patient's axes
             for (const DicomFrame& plane : folder.objects[index].planes) {
                 if (!first_) first_ = &plane;
                 planes_.push_back({dot(plane.position, normal()), &plane});
             }
+        }
         std::sort(planes_.begin(), planes_.end(),
                   [](const Placed& a, const Placed& b) { return a.height < b.height; });
     }

@@ -28,6 +28,9 @@ constexpr std::array known_sequences{tags::referenced_series_sequence,
                                      tags::frame_content_sequence,
                                      tags::plane_position_sequence,
                                      tags::plane_orientation_sequence,
+                                     tags::plane_position_volume_sequence,
+                                     tags::plane_orientation_volume_sequence,
+                                     tags::detector_information_sequence,
                                      tags::pixel_measures_sequence,
                                      tags::pixel_transformation_sequence,
                                      tags::segment_sequence,
@@ -89,6 +92,15 @@ Error value_error(const char* code, const DicomItem& item, DicomTag tag, const s
             text_of(tag) + " " + what,
             {item.set().name(), {}, {}, {}, valid_utf8(shown(item.text(tag)), changed)},
             "correct the file, or export it again"};
+}
+
+// The bits of a number in the byte order of the file.
+std::uint64_t bits_at(const DicomItem& item, std::string_view bytes) {
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+        bits = bits << 8 |
+               static_cast<unsigned char>(bytes[item.set().is_big_endian() ? i : bytes.size() - 1 - i]);
+    return bits;
 }
 
 }  // namespace
@@ -202,25 +214,46 @@ Result<std::optional<std::int64_t>> whole_number(const DicomItem& item, DicomTag
     return value;
 }
 
+Result<std::optional<std::vector<std::uint32_t>>> unsigned_shorts(const DicomItem& item, DicomTag tag,
+                                                                  std::size_t count) {
+    constexpr std::size_t size = sizeof(std::uint16_t);
+    const std::string_view bytes = item.bytes(tag);
+    if (bytes.empty()) return std::optional<std::vector<std::uint32_t>>{};
+    if (bytes.size() != size * count)
+        return bad_value(item, tag,
+                         count == 1 ? "is no unsigned number of 16 bits"
+                                    : "does not hold " + std::to_string(count) + " numbers of 16 bits");
+    std::vector<std::uint32_t> values;
+    for (std::size_t n = 0; n < count; ++n)
+        values.push_back(static_cast<std::uint32_t>(bits_at(item, bytes.substr(size * n, size))));
+    return std::optional(std::move(values));
+}
+
 Result<std::optional<std::uint32_t>> unsigned_short(const DicomItem& item, DicomTag tag) {
-    const std::string_view value = item.bytes(tag);
-    if (value.empty()) return std::optional<std::uint32_t>{};
-    if (value.size() != 2) return bad_value(item, tag, "is no unsigned number of 16 bits");
-    const auto low = static_cast<unsigned char>(value[item.set().is_big_endian() ? 1 : 0]);
-    const auto high = static_cast<unsigned char>(value[item.set().is_big_endian() ? 0 : 1]);
-    return std::optional<std::uint32_t>(static_cast<std::uint32_t>(high << 8 | low));
+    ANATOMESH_TRY(const auto values, unsigned_shorts(item, tag, 1));
+    return values ? std::optional(values->front()) : std::nullopt;
+}
+
+Result<std::optional<std::vector<double>>> float_doubles(const DicomItem& item, DicomTag tag,
+                                                         std::size_t count) {
+    constexpr std::size_t size = sizeof(double);
+    const std::string_view bytes = item.bytes(tag);
+    if (bytes.empty()) return std::optional<std::vector<double>>{};
+    if (bytes.size() != size * count)
+        return bad_value(item, tag,
+                         count == 1 ? "is no number of 64 bits"
+                                    : "does not hold " + std::to_string(count) + " numbers of 64 bits");
+    std::vector<double> values;
+    for (std::size_t n = 0; n < count; ++n) {
+        values.push_back(std::bit_cast<double>(bits_at(item, bytes.substr(size * n, size))));
+        if (!std::isfinite(values.back())) return bad_value(item, tag, "is not finite");
+    }
+    return std::optional(std::move(values));
 }
 
 Result<std::optional<double>> float_double(const DicomItem& item, DicomTag tag) {
-    const std::string_view bytes = item.bytes(tag);
-    if (bytes.empty()) return std::optional<double>{};
-    if (bytes.size() != 8) return bad_value(item, tag, "is no number of 64 bits");
-    std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < 8; ++i)
-        bits = bits << 8 | static_cast<unsigned char>(bytes[item.set().is_big_endian() ? i : 7 - i]);
-    const auto value = std::bit_cast<double>(bits);
-    if (!std::isfinite(value)) return bad_value(item, tag, "is not finite");
-    return std::optional(value);
+    ANATOMESH_TRY(const auto values, float_doubles(item, tag, 1));
+    return values ? std::optional(values->front()) : std::nullopt;
 }
 
 }  // namespace anatomesh

@@ -80,6 +80,10 @@ Result<std::optional<double>> decimal(const DicomItem& item, DicomTag tag);
 Result<std::optional<std::int64_t>> whole_number(const DicomItem& item, DicomTag tag);     // IS
 Result<std::optional<std::uint32_t>> unsigned_short(const DicomItem& item, DicomTag tag);  // US
 Result<std::optional<double>> float_double(const DicomItem& item, DicomTag tag);           // FD, finite
+Result<std::optional<std::vector<std::uint32_t>>> unsigned_shorts(const DicomItem& item, DicomTag tag,
+                                                                  std::size_t count);
+Result<std::optional<std::vector<double>>> float_doubles(const DicomItem& item, DicomTag tag,
+                                                         std::size_t count);
 
 // The error of a value that is not what it must be, and of one that is missing (E-DCM-003).
 Error bad_value(const DicomItem& item, DicomTag tag, const std::string& what);

@@ -538,6 +538,12 @@ TEST(DicomFiles, frames_without_places_are_refused) {
     auto files = ct_series(1);
     files[0].set(tags::number_of_frames, "IS", "2");
     files[0].elements[tags::pixel_data].bytes += files[0].elements[tags::pixel_data].bytes;
+    Reading first_alone(files);
+    EXPECT_EQ(first_alone.code(), "E-DCM-040");
+    EXPECT_NE(first_alone.line().find("--frame-step 5 when each frame lies further towards the head"),
+              std::string::npos)
+        << first_alone.line();
+    files[0].remove(tags::image_position);
     EXPECT_EQ(Reading(files).code(), "E-DCM-007");
 }
 

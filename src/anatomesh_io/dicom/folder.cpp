@@ -122,7 +122,7 @@ class Scanner {
             ++folder_.skipped;
             return Nothing{};
         }
-        DicomObject object = describe_object(known, path, label, options_.ultrasound_region);
+        DicomObject object = describe_object(known, path, label, options_.frames);
         object.bytes = bytes.size();
         object.sha256 = file.value().sha256();
         if (!set.ok()) {

@@ -22,7 +22,7 @@ struct DicomFolderOptions {
     InputLimits limits;
     std::uint64_t max_files = 2'000'000;  // looked at
     std::uint64_t max_objects = 100'000;
-    std::optional<std::uint32_t> ultrasound_region;  // --ultrasound-region N; see object.h
+    FrameOptions frames;  // see object.h
 };
 
 // Objects of one study, series and patient; for images one volume, or several.

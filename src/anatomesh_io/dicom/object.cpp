@@ -6,9 +6,10 @@
 #include <cmath>
 #include <utility>
 
-#include "anatomesh/geom/numbers.h"
 #include "anatomesh_io/contour/dicom_text.h"
 #include "anatomesh_io/contour/number_text.h"
+#include "anatomesh_io/dicom/frame_groups.h"
+#include "anatomesh_io/dicom/frame_places.h"
 #include "anatomesh_io/dicom/sha256.h"
 #include "anatomesh_io/dicom/tags.h"
 
@@ -18,96 +19,6 @@ namespace {
 
 // A file that announces more frames is refused, before they take all memory. [frames; >= 1; B]
 constexpr std::uint64_t max_frames = 1'000'000;
-
-// The functional groups of a frame: its own, those that all frames share, and the object itself.
-class FrameGroups {
-  public:
-    FrameGroups(const DicomItem& root, std::optional<DicomItem> shared, std::optional<DicomItem> own)
-        : root_(root), shared_(std::move(shared)), own_(std::move(own)) {}
-
-    // The item that holds the element: in the sequence `group` of the frame, of the shared ones, or in the
-    // object.
-    const DicomItem holder(DicomTag group, DicomTag tag) const {
-        for (const auto* groups : {&own_, &shared_}) {
-            if (!*groups) continue;
-            const auto item = (*groups)->item(group);
-            if (item && item->find(tag)) return *item;
-        }
-        return root_;
-    }
-    const std::optional<DicomItem>& shared() const { return shared_; }
-    const std::optional<DicomItem>& own() const { return own_; }
-
-  private:
-    DicomItem root_;
-    std::optional<DicomItem> shared_, own_;
-};
-
-Error frame_error(const char* code, const DataSet& set, std::uint32_t frame, std::uint32_t frames,
-                  const std::string& message, std::string value, const std::string& next_step) {
-    return {ErrorKind::input,
-            code,
-            message,
-            {set.name(), frames > 1 ? fmt::format("frame {}", frame + 1) : "", {}, {}, std::move(value)},
-            next_step};
-}
-
-std::string vector_text(const std::vector<double>& values) {
-    std::string text;
-    for (const double value : values) {
-        if (!text.empty()) text += ' ';
-        append_number(text, value);
-    }
-    return text;
-}
-
-// A direction within rounding of a unit vector orthogonal to `other`, made exactly so (Gram-Schmidt).
-struct Orientation {
-    Vec3 row, column;
-    double error = 0;  // how far from orthonormal
-};
-Orientation orthonormal(const std::vector<double>& v) {
-    const Vec3 row{v[0], v[1], v[2]}, column{v[3], v[4], v[5]};
-    Orientation found;
-    found.error =
-        std::max({std::abs(length(row) - 1), std::abs(length(column) - 1), std::abs(dot(row, column))});
-    if (!(found.error < 0.01)) return found;
-    // Directions of the axes stay as they are, to the last bit.
-    found.row = row == Vec3{1, 0, 0} ? row : normalized(row);
-    const Vec3 rest = column - dot(found.row, column) * found.row;
-    found.column = length(rest) == 1 ? rest : normalized(rest);
-    return found;
-}
-
-Status read_place(const DataSet& set, const FrameGroups& groups, std::uint32_t frames, DicomFrame& frame,
-                  double& worst_orientation) {
-    const DicomItem at = groups.holder(tags::plane_position_sequence, tags::image_position);
-    const DicomItem along = groups.holder(tags::plane_orientation_sequence, tags::image_orientation);
-    ANATOMESH_TRY(const auto position, decimals(at, tags::image_position, 3));
-    ANATOMESH_TRY(const auto orientation, decimals(along, tags::image_orientation, 6));
-    if (!position || !orientation)
-        return frame_error(
-            "E-DCM-004", set, frame.frame, frames,
-            fmt::format("{} is missing, so that the position of the image is unknown",
-                        position ? "ImageOrientationPatient" : "ImagePositionPatient"),
-            {}, "give a series with positions, or convert it to NIfTI or NRRD with known positions");
-    const Orientation axes = orthonormal(*orientation);
-    if (!(axes.error < 0.01))
-        return frame_error("E-DCM-005", set, frame.frame, frames,
-                           "ImageOrientationPatient is not two unit vectors at right angles",
-                           vector_text(*orientation), "correct the file, or export it again");
-    worst_orientation = std::max(worst_orientation, axes.error);
-    frame.row = axes.row;
-    frame.column = axes.column;
-    for (double each : *position)
-        if (!(std::abs(each) <= coordinate_bound_mm))
-            return frame_error("E-DCM-008", set, frame.frame, frames,
-                               "the position of the image is beyond 1e7 mm", vector_text(*position),
-                               "correct the file, or export it again");
-    const auto clean = [](double x) { return std::abs(x) < 1e-300 ? 0.0 : x; };
-    frame.position = {clean((*position)[0]), clean((*position)[1]), clean((*position)[2])};
-    return Nothing{};
-}
 
 // Scales of the regions of an ultrasound image that show tissue in two dimensions and state a unit of length:
 // mm between columns, between rows.
@@ -240,19 +151,6 @@ void read_marks(const DicomItem& root, const FrameGroups& groups, DicomFrame& fr
     frame.mark[4] = shown(root.text(tags::b_value));
 }
 
-// Both the frames and what they share may say the orientation, but not differently.
-Status check_shared_orientation(const DataSet& set, const FrameGroups& groups, std::uint32_t frame) {
-    const auto orientation = [](const std::optional<DicomItem>& of) -> std::string {
-        const auto item = of ? of->item(tags::plane_orientation_sequence) : std::nullopt;
-        return item ? std::string(item->text(tags::image_orientation)) : std::string{};
-    };
-    const std::string own = orientation(groups.own()), shared = orientation(groups.shared());
-    if (own.empty() || shared.empty() || own == shared) return Nothing{};
-    return frame_error("E-DCM-009", set, frame, 2,
-                       "the orientation of the frame contradicts the orientation that all frames share",
-                       shown(own), "correct the file, or export it again");
-}
-
 Result<std::uint32_t> frame_count(const DicomItem& root) {
     ANATOMESH_TRY(const auto stated, whole_number(root, tags::number_of_frames));
     if (!stated) return std::uint32_t{1};
@@ -262,6 +160,18 @@ Result<std::uint32_t> frame_count(const DicomItem& root) {
         return error;
     }
     return static_cast<std::uint32_t>(*stated);
+}
+
+// Frames without functional groups may follow the first; each has a byte of pixels at least, so that a number alone
+// cannot take memory.
+Status check_frames_without_groups(const DataSet& set, std::uint32_t count, std::size_t groups) {
+    const DicomItem root = set.root();
+    std::size_t bytes = root.bytes(tags::pixel_data).size();
+    for (const std::string_view fragment : root.fragments(tags::pixel_data)) bytes += fragment.size();
+    if (groups == 0 && states_first_place(root) && bytes >= count) return Nothing{};
+    return frame_error("E-DCM-007", set, 0, 1,
+                       fmt::format("the file has {} frames, but positions for {}", count, groups), {},
+                       "give a series of single images, or an enhanced multi-frame object");
 }
 
 void add_references(const DicomItem& root, DicomObject& object) {
@@ -299,18 +209,37 @@ DicomKind kind_of(const DicomObject& object, const DicomItem& root) {
     return root.find(tags::pixel_data) && object.modality != "RTDOSE" ? DicomKind::image : DicomKind::other;
 }
 
-void describe_image(const DataSet& set, std::optional<std::uint32_t> ultrasound_region, DicomObject& object) {
+// What one frame alone and checks of many need; an enhanced object says it in its functional groups.
+void describe_slices(const DicomItem& root, DicomObject& object) {
+    const std::vector<DicomItem> per_frame = root.items(tags::per_frame_groups);
+    const FrameGroups groups(root, root.item(tags::shared_groups),
+                             per_frame.empty() ? std::nullopt : std::optional(per_frame[0]));
+    const auto number = [&](DicomTag tag) -> std::optional<double> {
+        const auto value = decimal(groups.holder(tags::pixel_measures_sequence, tag), tag);
+        return value.ok() ? value.value() : std::nullopt;
+    };
+    object.spacing_between_slices = number(tags::spacing_between_slices);
+    // Of nuclear medicine the sign is a direction.
+    const bool is_signed = object.sop_class == "1.2.840.10008.5.1.4.1.1.20" && object.spacing_between_slices;
+    if (is_signed) object.spacing_between_slices = std::abs(*object.spacing_between_slices);
+    object.slice_thickness = number(tags::slice_thickness);
+}
+
+void describe_image(const DataSet& set, const FrameOptions& options, DicomObject& object) {
     RunContext context;
     auto format = read_pixel_format(set, context);
-    auto planes = format.ok() ? read_frames(set, context, ultrasound_region)
-                              : Result<std::vector<DicomFrame>>(format.error());
+    auto planes = format.ok() ? read_frames(set, context, options) : Result<FramesOfObject>(format.error());
     object.image_warnings = std::move(context.warnings);
     if (!planes.ok()) {
         object.image_error = planes.error();
         return;
     }
     object.format = format.value();
-    object.planes = std::move(planes).value();
+    object.planes = std::move(planes.value().frames);
+    object.known_axes = planes.value().known_axes;
+    object.placed_by_step = planes.value().by_step;
+    // Coordinates of a volume alone are not those of the patient, whatever the patient's are called.
+    if (!object.known_axes) object.frame_of_reference = set.root().text(tags::volume_frame_of_reference);
 }
 
 }  // namespace
@@ -321,7 +250,7 @@ const char* mark_name(std::size_t mark) {
 }
 
 DicomObject describe_object(const DataSet& set, const std::string& path, const std::string& label,
-                            std::optional<std::uint32_t> ultrasound_region) {
+                            const FrameOptions& options) {
     const DicomItem root = set.root();
     DicomObject object;
     object.path = path;
@@ -351,53 +280,54 @@ DicomObject describe_object(const DataSet& set, const std::string& path, const s
     object.columns = count(tags::columns);
     if (const auto frames = frame_count(root); frames.ok()) object.frames = frames.value();
     object.gantry_tilt = number(tags::gantry_tilt);
-    object.spacing_between_slices = number(tags::spacing_between_slices);
     object.images_in_acquisition = number(tags::images_in_acquisition);
-    object.slice_thickness = number(tags::slice_thickness);
+    describe_slices(root, object);
     object.kind = kind_of(object, root);
     add_references(root, object);
     if (object.kind == DicomKind::image || object.kind == DicomKind::segmentation)
-        describe_image(set, ultrasound_region, object);
+        describe_image(set, options, object);
     return object;
 }
 
-Result<std::vector<DicomFrame>> read_frames(const DataSet& set, RunContext& context,
-                                            std::optional<std::uint32_t> ultrasound_region) {
+Result<FramesOfObject> read_frames(const DataSet& set, RunContext& context, const FrameOptions& options) {
     const DicomItem root = set.root();
     ANATOMESH_TRY(const std::uint32_t count, frame_count(root));
     const std::vector<DicomItem> per_frame = root.items(tags::per_frame_groups);
-    if (count > 1 && per_frame.size() != count)
-        return frame_error(
-            "E-DCM-007", set, 0, 1,
-            fmt::format("the file has {} frames, but positions for {}", count, per_frame.size()), {},
-            "give a series of single images, or an enhanced multi-frame object");
+    if (count > 1 && per_frame.size() != count) {
+        ANATOMESH_CHECK_STATUS(check_frames_without_groups(set, count, per_frame.size()));
+    }
     ANATOMESH_TRY(const auto rows, unsigned_short(root, tags::rows));
     ANATOMESH_TRY(const auto columns, unsigned_short(root, tags::columns));
     ANATOMESH_TRY(const auto number, whole_number(root, tags::instance_number));
     const auto shared = root.item(tags::shared_groups);
-    double worst_orientation = 0;
-    std::vector<DicomFrame> frames(count);
+    std::vector<FrameGroups> groups;
+    groups.reserve(count);
+    for (std::uint32_t i = 0; i < count; ++i)
+        groups.emplace_back(root, shared, i < per_frame.size() ? std::optional(per_frame[i]) : std::nullopt);
+    FramesOfObject found;
+    found.frames.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) {
-        const FrameGroups groups(root, shared,
-                                 i < per_frame.size() ? std::optional(per_frame[i]) : std::nullopt);
-        DicomFrame& frame = frames[i];
+        DicomFrame& frame = found.frames[i];
         frame.frame = i;
         frame.rows = rows.value_or(0);
         frame.columns = columns.value_or(0);
         frame.number = count == 1 ? number.value_or(0) : 0;
-        ANATOMESH_CHECK_STATUS(check_shared_orientation(set, groups, i));
-        ANATOMESH_CHECK_STATUS(read_place(set, groups, count, frame, worst_orientation));
-        ANATOMESH_CHECK_STATUS(read_spacing(set, groups, count, ultrasound_region, frame));
-        ANATOMESH_CHECK_STATUS(read_rescale(groups, frame));
-        read_marks(root, groups, frame);
+    }
+    double worst_orientation = 0;
+    ANATOMESH_CHECK_STATUS(place_frames(set, groups, options.step_mm, found, worst_orientation));
+    for (std::uint32_t i = 0; i < count; ++i) {
+        DicomFrame& frame = found.frames[i];
+        ANATOMESH_CHECK_STATUS(read_spacing(set, groups[i], count, options.ultrasound_region, frame));
+        ANATOMESH_CHECK_STATUS(read_rescale(groups[i], frame));
+        read_marks(root, groups[i], frame);
     }
     if (worst_orientation > 1e-4)
         context.warn({"W-DCM-005",
                       "ImageOrientationPatient is not exactly two unit vectors at right angles",
                       {set.name(), {}, {}, {}, fmt::format("off by {:.2g}", worst_orientation)},
                       "the vectors were corrected"});
-    ANATOMESH_CHECK_STATUS(compare_with_regions(set, frames, context));
-    return frames;
+    ANATOMESH_CHECK_STATUS(compare_with_regions(set, found.frames, context));
+    return found;
 }
 
 Result<PixelFormat> read_pixel_format(const DataSet& set, RunContext& context) {

@@ -65,6 +65,7 @@ struct DicomObject {
     // cannot be used; and the warnings to be given when they are.
     std::vector<DicomFrame> planes;
     PixelFormat format;
+    bool known_axes = true, placed_by_step = false;  // as in FramesOfObject
     std::optional<Error> image_error;
     std::vector<Warning> image_warnings;
 
@@ -72,21 +73,34 @@ struct DicomObject {
     std::optional<Error> damage;
 };
 
-// Reads the header of a data set. Never fails: what is malformed is kept as `image_error`.
-// `ultrasound_region`: that of read_frames().
-DicomObject describe_object(const DataSet& set, const std::string& path, const std::string& label,
-                            std::optional<std::uint32_t> ultrasound_region = {});
+// How the frames of an object are read where it leaves that open.
+struct FrameOptions {
+    // --ultrasound-region N: which region's scale counts, from 0.
+    std::optional<std::uint32_t> ultrasound_region;
+    // --frame-step MM: how far each frame of a file that says the place of its first frame alone lies from the one
+    // before, along the normal of the first (row x column); negative: against it. mm, not 0.
+    std::optional<double> step_mm;
+};
 
-// The frames of an image or segmentation object with their places, per-frame values before shared ones before
-// those of the whole object. Errors: E-DCM-002, -003 values; E-DCM-004 a frame without position or
-// orientation; E-DCM-005 an orientation that is none; E-DCM-006 no usable pixel spacing; E-DCM-007 a number
-// of frames that does not fit; E-DCM-008 a place far outside (1e7 mm); E-DCM-009 shared and per-frame
-// orientation differ; E-DCM-034 ultrasound regions of different scales, of which `ultrasound_region` (from 0)
-// chooses one. An ultrasound image without PixelSpacing has that of its region in two dimensions; regions of
-// other kinds (Doppler, M-mode) and without unit of length have none. Warns W-DCM-005 of an orientation off
-// by rounding, which is made exact; W-DCM-021 of a region whose scale is not the PixelSpacing, which counts.
-Result<std::vector<DicomFrame>> read_frames(const DataSet& set, RunContext& context,
-                                            std::optional<std::uint32_t> ultrasound_region = {});
+// Reads the header of a data set. Never fails: what is malformed is kept as `image_error`.
+DicomObject describe_object(const DataSet& set, const std::string& path, const std::string& label,
+                            const FrameOptions& options = {});
+
+struct FramesOfObject {
+    std::vector<DicomFrame> frames;
+    bool known_axes =
+        true;  // whether positions are LPS; else in axes of the volume that the file does not tell
+    bool by_step = false;  // whether FrameOptions::step_mm placed them
+};
+
+// The frames of an image or segmentation object with their places (frame_places.h), and what else their functional
+// groups say: per-frame values before shared ones before those of the whole object. Errors: those of
+// frame_places.h; E-DCM-002, -003 values; E-DCM-006 no usable pixel spacing; E-DCM-007 a number of frames that does
+// not fit; E-DCM-034 ultrasound regions of different scales, of which an option chooses one. An ultrasound image
+// without PixelSpacing has that of its region in two dimensions; regions of other kinds (Doppler, M-mode) and
+// without unit of length have none. Warns W-DCM-005 of an orientation off by rounding, which is made exact;
+// W-DCM-021 of a region whose scale is not the PixelSpacing, which counts.
+Result<FramesOfObject> read_frames(const DataSet& set, RunContext& context, const FrameOptions& options = {});
 
 // The pixel format. Errors: E-DCM-003 missing, E-DCM-010 impossible, or one that is not read (colours, 64
 // bits). Warns W-DCM-006 of a high bit that does not fit, W-DCM-007 of MONOCHROME1.

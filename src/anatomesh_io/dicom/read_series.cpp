@@ -10,6 +10,7 @@
 #include "anatomesh_io/dicom/child.h"
 #include "anatomesh_io/dicom/data_set.h"
 #include "anatomesh_io/dicom/decoder.h"
+#include "anatomesh_io/dicom/frame_places.h"
 #include "anatomesh_io/dicom/pixels.h"
 #include "anatomesh_io/dicom/sha256.h"
 #include "anatomesh_io/file/byte_reader.h"
@@ -67,6 +68,10 @@ Status check_frame_of_reference(const DicomFolder& folder, const std::vector<std
     const DicomObject* absent = nullptr;
     for (const std::uint32_t index : objects) {
         const DicomObject& object = folder.objects[index];
+        if (object.known_axes != folder.objects[objects[0]].known_axes)
+            return series_error(
+                "E-DCM-023", "some slices have positions in the patient's axes, others in their volume's",
+                object.label, folder.objects[objects[0]].label, "give slices of one frame of reference");
         if (object.frame_of_reference.empty()) {
             absent = &object;
             continue;
@@ -277,6 +282,20 @@ Status check_formats(const DicomFolder& folder, const SeriesPlanes& planes) {
     return Nothing{};
 }
 
+// Positions in axes of the volume become the patient's where the options name them; else they stay and it is said.
+bool take_axes(SeriesPlanes& planes, bool known_axes, const ReadSeriesOptions& options, RunContext& context) {
+    if (known_axes) return true;
+    if (!options.frame) {
+        context.warn({"W-DCM-026",
+                      "the image has positions in axes of its own volume, not of the patient",
+                      {planes.facts.name, {}, {}, {}, {}},
+                      "the numbers were kept; --frame LPS or --frame RAS names the axes"});
+        return false;
+    }
+    if (*options.frame == ImageFrame::ras) turn_ras_to_lps(planes.frames);
+    return true;
+}
+
 // Every slice scaled by its own slope, interpolated where slices are missing.
 void scale_slices(const SeriesPlanes& planes, const Stack& stack, const std::vector<std::int64_t>& place_of,
                   VoxelType type, std::size_t frame_size, const SharedBytes& values, float* out) {
@@ -327,7 +346,8 @@ Result<SeriesPlanes> series_planes(const DicomFolder& folder, const std::vector<
 
 Result<LoadedImage> read_dicom_series(const DicomFolder& folder, const std::vector<std::uint32_t>& objects,
                                       const ReadSeriesOptions& options, RunContext& context) {
-    ANATOMESH_TRY(const SeriesPlanes planes, series_planes(folder, objects, context));
+    ANATOMESH_TRY(SeriesPlanes planes, series_planes(folder, objects, context));
+    const bool known_axes = take_axes(planes, folder.objects[planes.objects[0]].known_axes, options, context);
     StackOptions stacking;
     stacking.volume = options.volume;
     stacking.allow_gaps = options.allow_gaps;
@@ -377,6 +397,7 @@ Result<LoadedImage> read_dicom_series(const DicomFolder& folder, const std::vect
     }
     ANATOMESH_TRY(LoadedImage loaded, to_grey(raw, folder.path, context));
     loaded.kind = FileKind::dicom;
+    loaded.known_axes = known_axes;
     loaded.inputs.push_back(hash_of(folder, planes.objects));
     return loaded;
 }

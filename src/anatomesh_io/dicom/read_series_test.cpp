@@ -354,7 +354,7 @@ TEST(DicomSeries, G20_ultrasound_regions) {
     };
     const auto spacing_of = [](Reading& reading, std::optional<std::uint32_t> region) -> std::string {
         DicomFolderOptions options;
-        options.ultrasound_region = region;
+        options.frames.ultrasound_region = region;
         const auto folder = read_dicom_folder(reading.disk.path("folder"), options, reading.context);
         const auto image =
             read_dicom_series(folder.value(), folder.value().series[0].objects, {}, reading.context);

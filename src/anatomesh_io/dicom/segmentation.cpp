@@ -48,7 +48,12 @@ class SegmentationReader {
         ANATOMESH_CHECK_STATUS(check_type());
         ANATOMESH_TRY(format_, read_pixel_format(set_, context_));
         ANATOMESH_CHECK_STATUS(check_format());
-        ANATOMESH_TRY(frames_, read_frames(set_, context_));
+        ANATOMESH_TRY(FramesOfObject found, read_frames(set_, context_));
+        frames_ = std::move(found.frames);
+        if (!found.known_axes)
+            context_.warn({"W-DCM-026",
+                           "the segmentation has positions in axes of its own volume, not of the patient",
+                           place({}), "the numbers were kept"});
         ANATOMESH_CHECK_STATUS(read_segments());
         ANATOMESH_CHECK_STATUS(read_segments_of_frames());
         ANATOMESH_CHECK_STATUS(place_frames());
@@ -62,7 +67,9 @@ class SegmentationReader {
         } else {
             ANATOMESH_CHECK_STATUS(paint_segments());
         }
-        return finish();
+        ANATOMESH_TRY(LoadedSegmentation loaded, finish());
+        loaded.known_axes = found.known_axes;
+        return loaded;
     }
 
   private:

@@ -26,6 +26,7 @@ struct LoadedSegmentation {
     std::vector<LabelMap> layers;
     std::string type;  // "BINARY", "FRACTIONAL", "LABELMAP"
     std::uint32_t frames = 0;
+    bool known_axes = true;  // as in FramesOfObject; W-DCM-026 says when not
 };
 
 // Reads a file held in memory; `name` is for messages. A structure's number is the segment's number, or the

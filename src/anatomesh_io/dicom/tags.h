@@ -39,7 +39,10 @@ inline constexpr DicomTag study_instance{0x0020, 0x000D}, series_instance{0x0020
     dimension_index_values{0x0020, 0x9157}, concatenation{0x0020, 0x9161},
     dimension_organization_uid{0x0020, 0x9164}, dimension_index_pointer{0x0020, 0x9165},
     functional_group_pointer{0x0020, 0x9167}, dimension_organization_sequence{0x0020, 0x9221},
-    dimension_index_sequence{0x0020, 0x9222}, concatenation_frame_offset{0x0020, 0x9228};
+    dimension_index_sequence{0x0020, 0x9222}, concatenation_frame_offset{0x0020, 0x9228},
+    image_position_volume{0x0020, 0x9301}, image_orientation_volume{0x0020, 0x9302},
+    plane_position_volume_sequence{0x0020, 0x930E}, plane_orientation_volume_sequence{0x0020, 0x930F},
+    volume_frame_of_reference{0x0020, 0x9312};
 inline constexpr DicomTag samples_per_pixel{0x0028, 0x0002}, photometric{0x0028, 0x0004},
     number_of_frames{0x0028, 0x0008}, rows{0x0028, 0x0010}, columns{0x0028, 0x0011},
     pixel_spacing{0x0028, 0x0030}, bits_allocated{0x0028, 0x0100}, bits_stored{0x0028, 0x0101},
@@ -69,6 +72,8 @@ inline constexpr DicomTag structure_set_label{0x3006, 0x0002}, structure_set_dat
     contour_data{0x3006, 0x0050}, roi_observations_sequence{0x3006, 0x0080},
     observation_number{0x3006, 0x0082}, referenced_roi_number{0x3006, 0x0084},
     roi_interpreted_type{0x3006, 0x00A4}, roi_interpreter{0x3006, 0x00A6};
+inline constexpr DicomTag detector_information_sequence{0x0054, 0x0022}, slice_vector{0x0054, 0x0080};
+inline constexpr DicomTag grid_frame_offset_vector{0x3004, 0x000C};
 inline constexpr DicomTag shared_groups{0x5200, 0x9229}, per_frame_groups{0x5200, 0x9230};
 inline constexpr DicomTag pixel_data{0x7FE0, 0x0010};
 
