@@ -7,6 +7,7 @@ import harness
 import images
 
 SIZE = (16, 15, 14)
+TOUCHING = (11, 10, 9)
 
 
 def ball(radius, center=(7.6, 7.2, 6.4), spacing=(1, 1, 1)):
@@ -67,6 +68,66 @@ class SameModel(harness.TestCase):
                             self.assertEqual(counts, same_counts)
                     seen += 1
         self.assertGreaterEqual(seen, 50)
+
+    def touching(self, random):
+        """Two to four structures that touch, cells about random points in a ball; some are painted on every nth slice."""
+        count = int(random.integers(2, 5))
+        n = np.stack(np.meshgrid(*[np.arange(s) for s in TOUCHING], indexing="ij"), -1)
+        middles = random.uniform([3, 3, 2], np.array(TOUCHING) - [3, 3, 2], size=(count, 3))
+        labels = np.linalg.norm(n[..., None, :] - middles, axis=-1).argmin(-1) + 1
+        middle = (np.array(TOUCHING) - 1) / 2
+        labels = np.where(np.linalg.norm((n - middle) / (middle - 0.7), axis=-1) < 1, labels, 0).astype(np.uint8)
+        is_sparse = random.random(count) < 0.5
+        for structure in np.flatnonzero(is_sparse) + 1:
+            step = int(random.integers(2, 4))
+            kept = on_slices(labels == structure, 2, range(int(random.integers(step)), TOUCHING[2], step))
+            labels[(labels == structure) & ~kept] = 0
+        return labels, (1, 1, float(random.choice((1, 1.5, 3)))), is_sparse.any()
+
+    def test_structures_that_touch_and_are_sparse_are_the_same_by_any_file(self):
+        random = np.random.default_rng(7)
+        sparse = others = 0
+        for n in range(50):
+            labels, spacing, is_sparse = self.touching(random)
+            sparse += is_sparse
+            images.write_nrrd(self.folder / "map.nrrd", labels, spacing, (-30, 12, 5))
+            words = ["--axis", "z"]
+            direct, warned = self.figures("map.nrrd", *words)
+            ending = (".json", ".vtp")[n % 2]
+            self.run_program("contours", "map.nrrd", *words, "-o", "contours" + ending, "--quiet")
+            with self.subTest(n=n, spacing=spacing, ending=ending):
+                by_file, told = self.figures("contours" + ending)
+                # A structure of which no island is left stands in no file of contours.
+                self.assertEqual(by_file, [figures for figures in direct if figures[0] > 0])
+                of_tracing = {w for w in warned ^ told if w.startswith("W-TRC") or w == "W-CON-024"}
+                self.assertEqual(warned ^ told, of_tracing)
+            if ending == ".json" and is_sparse and others == 0:
+                # Without the word, the same contours end otherwise.
+                file = json.loads((self.folder / "contours.json").read_text())
+                self.assertTrue(file.pop("exclusive"))
+                self.write("contours.json", file)
+                without, _ = self.figures("contours.json")
+                others += any(abs(a[0] / b[0] - 1) > 5e-3 for a, b in zip(without, direct))
+        self.assertGreater(sparse, 20)
+        self.assertEqual(others, 1)
+
+    def test_a_file_that_calls_overlapping_structures_exclusive_is_told(self):
+        def ring(x, y, r, z):
+            return [[x - r, y - r, z], [x + r, y - r, z], [x + r, y + r, z], [x - r, y + r, z]]
+        for name, second, text in (("crossing", (4, 3, 5), "overlap"), ("within", (1, 0, 2), "overlap"),
+                                   ("beside, other vertices", (10.5, 0.5, 5.5), "different vertices"), ("beside", (10, 0, 5), "")):
+            file = {"format": "anatomesh-contours", "version": 1, "space": "LPS", "unit": "mm", "coverage": "complete",
+                    "exclusive": True, "structures": [{"number": n, "name": "ab"[n - 1]} for n in (1, 2)],
+                    "slices": [{"contours": [{"structure": 1, "points": ring(0, 0, 5, z)},
+                                             {"structure": 2, "points": ring(*second, z)}]} for z in (0, 2, 4)]}
+            self.write("c.json", file)
+            said = self.run_program("contours", "c.json", "-o", "again.json").err
+            self.assertEqual("W-CON-034" in said, bool(text), name)
+            self.assertIn(text, said)
+            self.assertEqual(json.loads((self.folder / "again.json").read_text()).get("exclusive", False), not text, name)
+            file["exclusive"] = "yes"
+            self.write("c.json", file)
+            self.assert_refused(["contours", "c.json", "-o", "x.json"], 3, "E-JSN-003", "true or false")
 
     def test_what_lies_between_sparse_slices_is_a_ball_when_asked_for(self):
         for axis in range(3):

@@ -10,6 +10,7 @@
 #include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/contour/model/find_structures.h"
 #include "anatomesh/contour/model/one_space.h"
+#include "anatomesh/contour/overlay/structure_overlap.h"
 #include "anatomesh/contour/simplify/simplify.h"
 #include "anatomesh/contour/trace/merge_layers.h"
 #include "anatomesh/image/components.h"
@@ -151,11 +152,14 @@ Status thin_and_share(PreparedContours& prepared, const PrepareOptions& options,
         kept = std::move(simplified.kept);
         prepared.epsilon_mm = *options.epsilon_mm;
     }
-    if (options.until == PrepareUntil::chosen || !kept.drawn) return Nothing{};
+    // Contours of a label map share their walls already.
+    const bool asks_for_walls = !(options.walls == WallOptions{});
+    if (options.until == PrepareUntil::chosen || (!kept.drawn && !asks_for_walls)) return Nothing{};
     if (options.walls.close_gaps_mm > 0 && kept.structures.size() == 1)
         return does_not_apply("--close-gaps", input_name(options, kept.source),
                               "there is only one structure");
     share_walls(kept, options.walls, context);
+    kept.exclusive = kept.exclusive && !find_overlap(kept);
     prepared.options.emplace_back("same_line_mm", number_text(options.walls.same_line_mm));
     prepared.options.emplace_back("close_slivers_mm", number_text(options.walls.close_slivers_mm));
     prepared.options.emplace_back("close_gaps_mm", number_text(options.walls.close_gaps_mm));

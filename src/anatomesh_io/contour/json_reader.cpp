@@ -58,6 +58,7 @@ constexpr Member members[] = {
     {Node::root, "pixel_mm", Node::ignored, false, false, "a number"},
     {Node::root, "slice_thickness_mm", Node::ignored, false, false, "a number"},
     {Node::root, "coverage", Node::ignored, false, false, "the text complete or drawn"},
+    {Node::root, "exclusive", Node::ignored, false, false, "true or false"},
     {Node::root, "structures", Node::structures, false, true, "an array of structures"},
     {Node::root, "slices", Node::slices, false, true, "an array of slices"},
     {Node::structures, nullptr, Node::structure, true, false, "a structure (an object)"},
@@ -103,9 +104,7 @@ class Handler final : public nlohmann::json_sax<json> {
     std::optional<Error> error;
 
     bool null() override { return arrive() && (ignoring() || fail_wanted("null")); }
-    bool boolean(bool value) override {
-        return arrive() && (ignoring() || fail_wanted(value ? "true" : "false"));
-    }
+    bool boolean(bool value) override { return arrive() && (ignoring() || take_boolean(value)); }
     bool number_integer(json::number_integer_t value) override {
         return number(static_cast<double>(value), std::to_string(value));
     }
@@ -260,6 +259,13 @@ class Handler final : public nlohmann::json_sax<json> {
         numbers_.back() = whole;
         if (const auto structure = builder_.find_structure(whole))
             builder_.set_structure(builder_.contour_count() - 1, *structure);
+        return true;
+    }
+
+    bool take_boolean(bool value) {
+        if (levels_.back().is_array || levels_.back().key != "exclusive")
+            return fail_wanted(value ? "true" : "false");
+        builder_.exclusive = value;
         return true;
     }
 

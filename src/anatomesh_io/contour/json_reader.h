@@ -6,8 +6,9 @@
 //                "contours": [{"structure": 1, "kind": "closed", "points": [[x, y, z], ...]}]}]}
 //
 // space is LPS, RAS or unknown (as when absent). slice_thickness_mm is that of the source's slices. coverage is
-// complete where a slice without a structure says that it is not there, else drawn (as when absent). kind is closed (as when absent), closed_xor, open or points.
-// Left out may be: space, pixel_mm, slice_thickness_mm, coverage, name, color, plane (which is then found from the points), kind. Members
+// complete where a slice without a structure says that it is not there, else drawn (as when absent). exclusive is true
+// where structures take no place of each other. kind is closed (as when absent), closed_xor, open or points.
+// Left out may be: space, pixel_mm, slice_thickness_mm, coverage, exclusive, name, color, plane (which is then found from the points), kind. Members
 // may come in any order. Text is UTF-8 without a byte order mark.
 #pragma once
 

@@ -83,6 +83,7 @@ std::string format_json_contours(const ContourSet& set) {
         out += ",\n";
     }
     if (set.complete) out += " \"coverage\": \"complete\",\n";
+    if (set.complete && set.exclusive) out += " \"exclusive\": true,\n";
     out += " \"structures\": [";
     const char* separator = "\n";
     for (const std::uint32_t structure : drawn_structures(set)) {

@@ -265,6 +265,7 @@ Result<RawContours> RawBuilder::finish(FileFrame asked) {
     raw_.pixel_mm = pixel_mm;
     raw_.slice_thickness_mm = slice_thickness_mm;
     raw_.complete = complete;
+    raw_.exclusive = exclusive;
     return std::move(raw_);
 }
 

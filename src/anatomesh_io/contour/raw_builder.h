@@ -37,7 +37,7 @@ class RawBuilder {
     FileFrame frame = FileFrame::unknown;  // as the file states it
     double pixel_mm = 0;
     double slice_thickness_mm = 0;
-    bool complete = false;
+    bool complete = false, exclusive = false;
     bool unit_is_given = false;  // by the user: what the numbers look like is no news then
     std::uint32_t space = 0;     // of the contours that are begun from now on
 

@@ -123,6 +123,8 @@ class VtpReader {
             builder_.slice_thickness_mm = thickness[0];
         builder_.complete =
             (is_first || builder_.complete) && first_text(file_.field("coverage")) == "complete";
+        // A file cannot speak of the structures of another.
+        builder_.exclusive = is_first && first_text(file_.field("exclusive")) == "yes";
         return Nothing{};
     }
 
@@ -369,6 +371,10 @@ std::string format_vtp_contours(const ContourSet& set, int threads) {
     if (set.complete) {
         const std::vector<std::string> coverage{"complete"};
         file.field_data.push_back(VtkArray::of_strings("coverage", coverage));
+    }
+    if (set.complete && set.exclusive) {
+        const std::vector<std::string> exclusive{"yes"};
+        file.field_data.push_back(VtkArray::of_strings("exclusive", exclusive));
     }
     file.field_data.push_back(VtkArray::of<std::int32_t>("structure_number", structure_numbers));
     file.field_data.push_back(VtkArray::of_strings("structure_name", structure_names));

@@ -3,7 +3,8 @@
 // Read: every polyline is a contour, closed when it ends where it begins and open otherwise; every polygon is
 // a closed contour. Cell arrays, when there: `structure` or `label` (the structure's number), `slice` (index
 // of a plane). Field arrays, when there: SPACE (LPS or RAS), unit (mm), pixel_mm,
-// slice_thickness_mm; coverage (complete: a plane without a structure says that it is not there); structure_number,
+// slice_thickness_mm; coverage (complete: a plane without a structure says that it is not there); exclusive (yes: structures take no place
+// of each other); structure_number,
 // structure_name, structure_color, in step; slice_origin, slice_normal, slice_name, in step; Segment_Name and
 // Segment_DefaultColor, as 3D Slicer writes them for a file that is one structure.
 // A file without structure numbers is one structure, named by Segment_Name or after the file.

@@ -83,6 +83,7 @@ TEST_P(WriteContours, names_colours_frame_and_pixel_come_back) {
     EXPECT_EQ(raw.pixel_mm, set.pixel_mm);
     EXPECT_EQ(raw.slice_thickness_mm, 0) << "nothing says it";
     EXPECT_FALSE(raw.complete);
+    EXPECT_FALSE(raw.exclusive);
     EXPECT_EQ(raw.frame, Frame::lps);
     EXPECT_EQ(raw.plane_names[2], "slice 2");
     EXPECT_TRUE(context_.warnings.empty());
@@ -94,6 +95,12 @@ TEST_P(WriteContours, names_colours_frame_and_pixel_come_back) {
     write(set, path("complete"));
     EXPECT_EQ(read(path("complete")).slice_thickness_mm, 2.5);
     EXPECT_TRUE(read(path("complete")).complete);
+    EXPECT_FALSE(read(path("complete")).exclusive);
+    set.exclusive = true;
+    write(set, path("exclusive"));
+    EXPECT_TRUE(read(path("exclusive")).complete);
+    EXPECT_TRUE(read(path("exclusive")).exclusive);
+    set.exclusive = set.complete = false;
 
     set.frame = Frame::unknown;
     write(set, path("unknown"));

@@ -91,7 +91,7 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
     std::vector<double> by_mesh;
     if (has_volume(model.mesh))
         by_mesh = mesh_volumes(model.mesh, model.description.regions, model.description.structures.size());
-    // Contour files do not tell whether structures exclude each other, as those of a label map do. A model
+    // Not every contour file tells whether structures exclude each other, as those of a label map do. A model
     // with overlaps knows that they do not.
     std::vector<bool> exclusions{false};
     const bool told_to_exclude = option_of(model.description, "priority").has_value();

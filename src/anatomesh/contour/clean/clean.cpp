@@ -101,7 +101,7 @@ using CleaningStep = Status (*)(Cleaning&);
 
 // Every step reads some values of a Cleaning and sets others. The order matters: warnings come in this order,
 // and slices are left out before anything on them can be refused.
-constexpr std::array<CleaningStep, 14> cleaning_steps{
+constexpr std::array<CleaningStep, 15> cleaning_steps{
     // Names are compared: most likely two structures of one name are one.
     [](Cleaning& c) { return compare_names(c.raw, c.context); },
     // Coordinates are checked, because all that follows computes with them.
@@ -150,6 +150,11 @@ constexpr std::array<CleaningStep, 14> cleaning_steps{
     [](Cleaning& c) {
         add_empty_slices(std::move(c.slices.empty_planes), c.options.without,
                          c.options.planes.group_tolerance_mm, c.resolved.set, c.context);
+        return Status(Nothing{});
+    },
+    // Whether structures exclude each other is seen once all vertices are where they stay.
+    [](Cleaning& c) {
+        settle_exclusive(c.raw, c.resolved.set, c.context);
         return Status(Nothing{});
     },
 };

@@ -9,6 +9,7 @@
 #include "anatomesh/base/number_text.h"
 #include "anatomesh/contour/clean/crowded_points.h"
 #include "anatomesh/contour/clean/weld.h"
+#include "anatomesh/contour/overlay/structure_overlap.h"
 
 namespace anatomesh {
 
@@ -108,6 +109,25 @@ void add_empty_slices(std::vector<EmptyPlane> planes, const std::vector<std::str
                   "planes without contours cross other planes, and their extent is unknown",
                   {set.source, not_placed.front(), "", "", std::to_string(not_placed.size()) + " planes"},
                   "they were not used; if a structure ends there, draw its end on a plane that crosses it"});
+}
+
+void settle_exclusive(const RawContours& raw, ContourSet& set, RunContext& context) {
+    if (!raw.exclusive) return;
+    if (const auto overlap = find_overlap(set)) {
+        const auto name = [&](std::uint32_t index) { return structure_text(set.structures[index]); };
+        context.warn(
+            {"W-CON-034",
+             "the file says that structures exclude each other, but " + name(overlap->first) + " and " +
+                 name(overlap->second) +
+                 (overlap->area_mm2 > 0 ? " overlap" : " share a wall with different vertices"),
+             {raw.source, set.slices[overlap->slice].name, "", "",
+              overlap->area_mm2 > 0 ? brief(overlap->area_mm2) + " mm2" : ""},
+             "they were read as structures that may overlap; correct the file, or give overlaps to one "
+             "with --priority"});
+        return;
+    }
+    set.exclusive = true;
+    set.drawn = !set.complete;
 }
 
 }  // namespace anatomesh
