@@ -11,6 +11,7 @@
 #include "anatomesh_io/image/write_image.h"
 #include "anatomesh_io/report/options_json.h"
 #include "answer.h"
+#include "field_options.h"
 #include "help_text.h"
 #include "input_options.h"
 #include "option_values.h"
@@ -26,6 +27,7 @@ struct FieldVerbOptions {
     InputOptions input;
     std::string output, what = "distance";
     double pixel_mm = 0;  // 0: that of the source, or one found
+    double slice_mm = 0;  // of one slice alone; 0: as the source states it
 };
 
 Result<std::string> distance_file(const ContourSet& contours, const SliceStack& stack, ImageFormat format,
@@ -70,10 +72,12 @@ Status run_field(FieldVerbOptions options, Session& session) {
     ANATOMESH_CHECK_STATUS(check_outputs(names_of(opened.files), {options.output}));
     ANATOMESH_TRY(const InputContours contours, contours_of(std::move(opened), options.input, context));
     ANATOMESH_CHECK_STATUS(check_structures(contours.kept, options));
+    ANATOMESH_CHECK_STATUS(check_slice_thickness(options.slice_mm, options.input.input, contours.kept));
     if (context.cancelled()) return cancelled_error();
 
     SliceStackOptions placing;
     placing.pixel_mm = options.pixel_mm;
+    placing.slice_mm = options.slice_mm;
     placing.max_voxels = options.input.limits.voxels;
     ANATOMESH_TRY(const SliceStack stack, slice_stack(contours.kept, placing, context));
     const auto make = options.what == "bits" ? bits_file : distance_file;
@@ -118,6 +122,7 @@ Work declare_field(CLI::App& verb) {
     add_number(verb, "--pixel", options->pixel_mm, 1e-3, 1e3, "MM",
                "Pixel size of the image, 0.001 to 1000 mm. Default: that of the source, otherwise chosen "
                "from the contours.");
+    add_slice_thickness_option(verb, options->slice_mm);
     group_new_options(verb, option_group::outputs);
     return [options](Session& session) { return run_field(*options, session); };
 }

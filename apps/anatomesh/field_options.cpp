@@ -28,9 +28,23 @@ void add_field_rule_options(CLI::App& verb, FieldOptions& options) {
                            "spacings, 1 to 1000000. "
                            "Default: {}.",
                            options.max_gap_spacings));
-    add_number(verb, "--slice-thickness", options.single_slice_mm, 0.001, 1000, "MM",
-               "Thickness of a single slice, 0.001 to 1000 mm. It is needed if there is one slice only.");
+    add_slice_thickness_option(verb, options.single_slice_mm);
     group_new_options(verb, option_group::slices);
+}
+
+void add_slice_thickness_option(CLI::App& verb, double& slice_mm) {
+    add_number(verb, "--slice-thickness", slice_mm, 0.001, 1000, "MM",
+               "Thickness of a single slice, 0.001 to 1000 mm. It is needed if there is one slice only.");
+}
+
+Status check_slice_thickness(double slice_mm, const std::string& input, const ContourSet& kept) {
+    if (slice_mm == 0 || kept.slices.size() < 2) return Nothing{};
+    return Error{ErrorKind::usage,
+                 "E-CMD-008",
+                 fmt::format("--slice-thickness does not apply to {} slices; it is for a single slice",
+                             kept.slices.size()),
+                 {input, "", "", "", ""},
+                 "leave out --slice-thickness"};
 }
 
 }  // namespace anatomesh

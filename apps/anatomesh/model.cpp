@@ -333,16 +333,6 @@ Status check_separate(const ModelVerbOptions& options) {
                  "leave out --separate, or choose a structure with --structure"};
 }
 
-Status check_slice_thickness(const ModelVerbOptions& options, const ContourSet& kept) {
-    if (options.input.prepare.field.single_slice_mm == 0 || kept.slices.size() < 2) return Nothing{};
-    return Error{ErrorKind::usage,
-                 "E-CMD-008",
-                 fmt::format("--slice-thickness does not apply to {} slices; it is for a single slice",
-                             kept.slices.size()),
-                 {options.input.input, "", "", "", ""},
-                 "leave out --slice-thickness"};
-}
-
 Status run_model(ModelVerbOptions options, Session& session) {
     options.input.limits = session.limits;
     ModelVerbOptions whole = options;
@@ -367,7 +357,8 @@ Status run_model(ModelVerbOptions options, Session& session) {
     const StageReport reading{"read", watch.lap(), 0, 0, {}};
     begin("contours", 0.08, 0.15);
     const auto check = [&](const ContourSet& kept) -> Status {
-        ANATOMESH_CHECK_STATUS(check_slice_thickness(options, kept));
+        ANATOMESH_CHECK_STATUS(
+            check_slice_thickness(options.input.prepare.field.single_slice_mm, options.input.input, kept));
         return check_reconcile_options(kept, options.input);
     };
     ANATOMESH_TRY(const InputContours contours,

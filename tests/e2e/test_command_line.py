@@ -187,6 +187,18 @@ class WrongCommands(harness.TestCase):
         self.assertIn("W-CMD-002", self.run_program("contours", "labels.nrrd", "-o", "a.csl", "--threshold", "1").err)
         self.assertNotIn("W-CMD", self.run_program("contours", "labels.nrrd", "-o", "a.csl").err)
 
+    def test_a_unit_that_the_user_states_is_not_doubted(self):
+        ring = "0 0 {z}\n{s} 0 {z}\n{s} {s} {z}\n0 {s} {z}\n4 1 0 1 2 3\n"
+        for size in (0.01, 0.1):
+            planes = "".join(f"{k + 1} 4 1 0 0 1 {-size * k / 4}\n" + ring.format(z=size * k / 4, s=size) for k in range(4))
+            self.write("small.csl", "CSLC\n4 1\n" + planes)
+            words = ["contours", "small.csl", "-o", "c.json", "--frame", "LPS"]
+            self.assertIn("W-CON-023", self.run_program(*words).err)
+            self.assertNotIn("W-CON-023", self.run_program(*words, "--unit", "mm").err)
+            self.run_program(*words, "--unit", "m")
+            points = json.loads((self.folder / "c.json").read_text())["slices"][0]["contours"][0]["points"]
+            self.assertAlmostEqual(max(p[0] for p in points), 1000 * size)
+
     def test_values_of_options_are_validated(self):
         for words in (["--holes", "none"], ["--max-repair", "1.5"], ["--closing-gap", "-1"], ["--close-gaps", "11"], ["--close-slivers", "-1"], ["--same-line", "1"], ["--plane-repair", "11"], ["--keyhole", "11"],
                       ["--max-gap", "0.5"], ["--slice-thickness", "0"], ["--limit", "voxels"], ["--limit", "voxels=0"],

@@ -51,6 +51,26 @@ class Field(harness.TestCase):
         whole[tuple(slice(f, f + s) for f, s in zip(first, bits.shape))] = bits == 3
         self.assertTrue(np.array_equal(whole, ball))
 
+    def test_one_slice_is_as_thick_as_the_source_or_the_user_says(self):
+        disc = np.zeros((12, 12, 5), np.uint8)
+        disc[3:9, 4:10, 2] = 1
+        for thickness in (1.5, 2, 5):
+            images.write_nrrd(self.folder / "map.nrrd", disc, (1, 1, thickness))
+            self.run_program("contours", "map.nrrd", "-o", "c.json", "--quiet")
+            for source in ("map.nrrd", "c.json"):
+                said = self.run_program("field", source, "-o", "d.nrrd").err
+                self.assertIn("W-FLD-013", said)
+                self.assertAlmostEqual(images.read_nrrd(self.folder / "d.nrrd")[2][2][2], thickness, delta=1e-9)
+                said = self.run_program("field", source, "-o", "d.nrrd", "--slice-thickness", "3.5").err
+                self.assertNotIn("W-FLD", said)
+                self.assertAlmostEqual(images.read_nrrd(self.folder / "d.nrrd")[2][2][2], 3.5, delta=1e-9)
+        file = json.loads((self.folder / "c.json").read_text())
+        del file["slice_thickness_mm"]
+        self.write("c.json", file)
+        self.assertIn("W-FLD-015", self.run_program("field", "c.json", "-o", "d.nrrd").err)
+        self.assertNotIn("W-FLD", self.run_program("field", "c.json", "-o", "d.nrrd", "--slice-thickness", "2").err)
+        self.assert_refused(["field", "ball.json", "-o", "x.nrrd", "--slice-thickness", "2"], 2, "E-CMD-008", "--slice-thickness")
+
     def test_O06_every_output_says_how_it_was_made(self):
         self.run_program("model", "ball.json", "-o", "ball.vtu", "--size", "6")
         report = json.loads((self.folder / "ball.report.json").read_text())

@@ -266,6 +266,7 @@ Result<RawContours> RawBuilder::finish(FileFrame asked) {
     raw_.slice_thickness_mm = slice_thickness_mm;
     raw_.complete = complete;
     raw_.exclusive = exclusive;
+    raw_.unit_is_given = unit_is_given;
     return std::move(raw_);
 }
 

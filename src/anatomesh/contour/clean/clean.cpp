@@ -60,10 +60,12 @@ CleanOptions fitted_to_span(const RawContours& raw, const std::vector<Candidate>
           &options.rings.separation_mm, &options.weld_mm})
         *tolerance *= scale;
     options.rings.loop_mm2 *= scale * scale;
-    context.warn({"W-CON-023",
-                  "all contours together are smaller than 1 mm; the file may be in metres or centimetres",
-                  {raw.source, "", "", "", brief(box.diagonal()) + " mm"},
-                  "the numbers were read as mm; if they are not, multiply them by 1000 or 10 in the file"});
+    if (!raw.unit_is_given)
+        context.warn(
+            {"W-CON-023",
+             "all contours together are smaller than 1 mm; the file may be in metres or centimetres",
+             {raw.source, "", "", "", brief(box.diagonal()) + " mm"},
+             "the numbers were read as mm; if they are not, multiply them by 1000 or 10 in the file"});
     return options;
 }
 

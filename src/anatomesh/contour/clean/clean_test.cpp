@@ -481,6 +481,8 @@ TEST(Clean, RS30_contours_in_metres_are_kept_whole_and_told_of) {
     const Cleaned right = clean(millimetres), small = clean(metres);
     EXPECT_KEPT(right);
     EXPECT_KEPT(small);
+    metres.raw.unit_is_given = true;
+    EXPECT_EQ(clean(metres).count("W-CON-023"), 0u) << "the user says that they are so small";
     EXPECT_EQ(right.count("W-CON-023"), 0u);
     EXPECT_EQ(small.count("W-CON-023"), 1u);
     ASSERT_EQ(small.kept().slices.size(), right.kept().slices.size());

@@ -43,8 +43,9 @@ struct RawContours {
     double pixel_mm = 0;            // in-plane pixel size, 0 when unknown
     double slice_thickness_mm = 0;  // as in ContourSet, and so is the next
     bool complete = false;
-    bool exclusive = false;  // the file says that structures take no place of each other; it may be wrong
-    std::string source;      // the file, as the user named it
+    bool exclusive = false;      // the file says that structures take no place of each other; it may be wrong
+    bool unit_is_given = false;  // by the user: small numbers are no news then
+    std::string source;          // the file, as the user named it
 };
 
 }  // namespace anatomesh

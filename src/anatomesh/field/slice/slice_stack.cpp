@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/field/slice/bit_volume.h"
 #include "anatomesh/field/slice/distance_raster.h"
@@ -68,6 +69,24 @@ std::vector<SliceRegion> regions_at(const ContourSet& set, const SliceStack& sta
     return slice_regions(set, stack.slice[k], stack.frame);
 }
 
+// How thick a slice alone is.
+double thickness_of_one(const ContourSet& set, double asked_mm, double pixel, RunContext& context) {
+    if (asked_mm > 0) return asked_mm;
+    const bool is_stated = set.slice_thickness_mm > 0;
+    const double thickness = is_stated ? set.slice_thickness_mm : pixel;
+    const Place place{set.source, set.slices.front().name, "", "", brief(thickness) + " mm"};
+    if (is_stated)
+        context.warn(
+            {"W-FLD-013",
+             "everything is drawn on one slice, so that nothing shows how it goes on above and below", place,
+             "the image is as thick as the source says that a slice is; --slice-thickness gives another "
+             "thickness"});
+    else
+        context.warn({"W-FLD-015", "everything is drawn on one slice, and nothing says how thick it is",
+                      place, "the image is one pixel thick; --slice-thickness states the thickness"});
+    return thickness;
+}
+
 }  // namespace
 
 Result<SliceStack> slice_stack(const ContourSet& set, const SliceStackOptions& options, RunContext& context) {
@@ -84,7 +103,8 @@ Result<SliceStack> slice_stack(const ContourSet& set, const SliceStackOptions& o
     const double pixel = options.pixel_mm > 0 ? options.pixel_mm
                          : set.pixel_mm > 0   ? set.pixel_mm
                                               : found_pixel(set, box);
-    const double gap = median_spacing(set), spacing = gap > 0 ? gap : pixel;
+    const double gap = median_spacing(set),
+                 spacing = gap > 0 ? gap : thickness_of_one(set, options.slice_mm, pixel, context);
     ANATOMESH_TRY(const std::vector<std::uint32_t> place, places(set, stack.frame, spacing));
 
     const double margin = options.margin_pixels;

@@ -13,7 +13,8 @@
 namespace anatomesh {
 
 struct SliceStackOptions {
-    double pixel_mm = 0;              // of the image. > 0; 0: that of the source, or one found
+    double pixel_mm = 0;  // of the image. > 0; 0: that of the source, or one found
+    double slice_mm = 0;  // thickness of one slice alone. > 0; 0: as the source states it, or a pixel
     std::uint32_t margin_pixels = 4;  // around the box of all contours. [0, 1000]
     std::uint64_t max_voxels = std::uint64_t{1} << 34;
 };
@@ -33,7 +34,8 @@ struct SliceStack {
 // longer side of their box. A place between slices where one is missing gets none. Requires: a kept contour
 // set. Complexity: linear in the points.
 // Errors: geometry E-FLD-001 no contours, E-FLD-004 the slices are not parallel, E-FLD-005 they are not
-// equidistant; limit E-FLD-006 more voxels than allowed. Warnings: W-FLD-006 slices are missing.
+// equidistant; limit E-FLD-006 more voxels than allowed. Warnings: W-FLD-006 slices are missing; W-FLD-013 one slice
+// alone, as thick as the source says; W-FLD-015 one slice alone, of which nothing says how thick it is.
 Result<SliceStack> slice_stack(const ContourSet& set, const SliceStackOptions& options, RunContext& context);
 
 // The bit volume of the contours as a label map; in `overlaps`, when given, the voxels that lie in several
