@@ -13,6 +13,7 @@
 #include "anatomesh/base/text.h"
 #include "anatomesh/contour/clean/candidate_slices.h"
 #include "anatomesh/contour/clean/candidates.h"
+#include "anatomesh/contour/clean/complete_slices.h"
 #include "anatomesh/contour/clean/finish_set.h"
 #include "anatomesh/contour/clean/reading_log.h"
 #include "anatomesh/contour/clean/resolved_slices.h"
@@ -103,7 +104,7 @@ using CleaningStep = Status (*)(Cleaning&);
 
 // Every step reads some values of a Cleaning and sets others. The order matters: warnings come in this order,
 // and slices are left out before anything on them can be refused.
-constexpr std::array<CleaningStep, 15> cleaning_steps{
+constexpr std::array<CleaningStep, 16> cleaning_steps{
     // Names are compared: most likely two structures of one name are one.
     [](Cleaning& c) { return compare_names(c.raw, c.context); },
     // Coordinates are checked, because all that follows computes with them.
@@ -157,6 +158,11 @@ constexpr std::array<CleaningStep, 15> cleaning_steps{
     // Whether structures exclude each other is seen once all vertices are where they stay.
     [](Cleaning& c) {
         settle_exclusive(c.raw, c.resolved.set, c.context);
+        return Status(Nothing{});
+    },
+    // What the file calls complete is told of where that is doubtful.
+    [](Cleaning& c) {
+        warn_about_complete_slices(c.resolved.set, c.context);
         return Status(Nothing{});
     },
 };
