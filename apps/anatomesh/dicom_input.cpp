@@ -72,6 +72,7 @@ std::vector<Vec3> positions_of_images(const DicomFolder& folder, const std::vect
     constexpr double same_direction = 1e-3;
     std::vector<Vec3> positions;
     for (const std::uint32_t index : images) {
+        if (!folder.objects[index].known_axes) continue;
         for (const DicomFrame& plane : folder.objects[index].planes) {
             const Vec3 other = cross(plane.row, plane.column);
             if (std::min(length(other - normal), length(other + normal)) < same_direction)
@@ -84,7 +85,8 @@ std::vector<Vec3> positions_of_images(const DicomFolder& folder, const std::vect
 // Whether all contours lie in planes that are parallel to the first image.
 bool lies_along_images(const RawContours& contours, const DicomFolder& folder,
                        const std::vector<std::uint32_t>& images) {
-    if (images.empty() || folder.objects[images[0]].planes.empty()) return false;
+    if (images.empty() || folder.objects[images[0]].planes.empty() || !folder.objects[images[0]].known_axes)
+        return false;
     const DicomFrame& first = folder.objects[images[0]].planes[0];
     const Vec3 normal = cross(first.row, first.column);
     // A contour that reaches further across the images lies in another plane. [mm; > 0; D digits of files]

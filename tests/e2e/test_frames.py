@@ -2,6 +2,7 @@
 import json
 
 import numpy as np
+from pydicom import dcmread
 from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
 from pydicom.sequence import Sequence
 from pydicom.uid import ExplicitVRLittleEndian, ImplicitVRLittleEndian
@@ -151,6 +152,35 @@ class PlacesOfFrames(harness.TestCase):
             lps, ras = (self.segmented("--frame", frame)[1:] for frame in ("LPS", "RAS"))
             np.testing.assert_allclose(lps[0] * [-1, -1, 1], ras[0], atol=1e-9)
             np.testing.assert_allclose(lps[1] * [-1, -1, 1], ras[1], atol=1e-9)
+
+    def test_contours_and_volumes_in_axes_of_their_own_are_not_put_together(self):
+        member = next(m for m in members(12, 8) if m.kind == "volume")
+        study = self.folder / "study"
+        study.mkdir()
+        member.write(study / "us.dcm")
+        words = ["--threshold", "100", "--min-area", "0", "--quiet"]
+        uids = set()
+        for frame in ("LPS", "RAS"):
+            self.run_program("contours", "study/us.dcm", "--frame", frame, *words, "--keep-patient-ids", "-o", "rs.dcm")
+            uids.add(str(dcmread(self.folder / "rs.dcm").FrameOfReferenceUID))
+        # What lies elsewhere has another frame of reference, and neither is that of the volume.
+        self.assertEqual(len(uids | {"1.2.3.9", "1.2.3.7"}), 4)
+        made = dcmread(self.folder / "rs.dcm")
+        image = Dataset()
+        image.ReferencedSOPClassUID, image.ReferencedSOPInstanceUID, image.ReferencedFrameNumber = ENHANCED_US, "1.2.3.4", "1"
+        series, of_study = Dataset(), Dataset()
+        series.SeriesInstanceUID, series.ContourImageSequence = "1.2.3.6", Sequence([image])
+        of_study.ReferencedSOPClassUID, of_study.ReferencedSOPInstanceUID = "1.2.840.10008.3.1.2.3.1", "1.2.3.5"
+        of_study.RTReferencedSeriesSequence = Sequence([series])
+        made.ReferencedFrameOfReferenceSequence[0].RTReferencedStudySequence = Sequence([of_study])
+        for roi in made.ROIContourSequence:
+            for contour in roi.ContourSequence:
+                contour.ContourImageSequence = Sequence([image])
+        made.save_as(str(study / "rs.dcm"), write_like_original=False)
+        self.assert_refused(["model", "study", "-o", "m.vtu"], 3, "E-DCM-032")
+        said = self.run_program("model", "study", "--ignore-frame-of-reference", "-o", "m.vtu").err
+        self.assertIn("W-DCM-022", said)
+        self.assertNotIn("W-DCM-024", said)
 
     def assert_each_refused(self, count, seed, kinds, change, *texts, options=True):
         seen = 0

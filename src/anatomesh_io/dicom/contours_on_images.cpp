@@ -230,6 +230,7 @@ Status check_references(const DicomItem& rtstruct, const DicomFolder& folder,
             const auto point = first_point(contour.bytes(tags::contour_data));
             if (named == image_of.end() || !point) continue;
             const DicomObject& image = *named->second;
+            if (!image.known_axes) continue;
             const std::uint64_t frame = named_frame(*reference);
             if (image.planes.empty()) {
                 if (image.frames > 1 && frame > 0) without_place.emplace(named->first, frame);

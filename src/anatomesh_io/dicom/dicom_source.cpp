@@ -60,10 +60,13 @@ Result<DicomSource> dicom_source(const DicomFolder& folder, const std::vector<st
     source.keeps_identity = keep_identity;
     source.study = shown(first.study);
     source.series = shown(first.series);
-    source.frame_of_reference = shown(first.frame_of_reference);
+    // What is written lies in the patient's axes, and the images do not where they have axes of their own.
+    if (first.known_axes) source.frame_of_reference = shown(first.frame_of_reference);
     for (const std::uint32_t index : objects) {
         const DicomObject& object = folder.objects[index];
-        if (object.kind != DicomKind::image || object.planes.empty() || object.sop_instance.empty()) continue;
+        if (object.kind != DicomKind::image || object.planes.empty() || object.sop_instance.empty() ||
+            !object.known_axes)
+            continue;
         const DicomFrame& plane = object.planes[0];
         source.images.push_back({object.sop_class, shown(object.sop_instance), plane.position,
                                  cross(plane.row, plane.column), object.frames});
@@ -78,7 +81,7 @@ Result<DicomSource> dicom_source(const DicomFolder& folder, const std::vector<st
     }
     std::sort(source.origins.begin(), source.origins.end());
     source.origins.erase(std::unique(source.origins.begin(), source.origins.end()), source.origins.end());
-    if (first.kind == DicomKind::image) source.grid = grid_of(folder, objects);
+    if (first.kind == DicomKind::image && first.known_axes) source.grid = grid_of(folder, objects);
     if (keep_identity) {
         ANATOMESH_CHECK_STATUS(read_identity(first, source));
     }
