@@ -228,6 +228,14 @@ class PlacesOfFrames(harness.TestCase):
                 setattr(place, f"ImagePosition{name}", decimals(position, bool(word)))
         self.assert_each_refused(60, 4, ("patient", "volume", "grid from 0", "grid of heights", "nuclear"), move_one, "E-DCM-014")
 
+    def test_frames_far_outside_are_refused(self):
+        def go_far(member, data):
+            if member.kind == "nuclear":
+                data.SpacingBetweenSlices = "1e300"
+            else:
+                data.GridFrameOffsetVector = [*data.GridFrameOffsetVector[:-1], "1e300"]
+        self.assert_each_refused(30, 9, ("nuclear", "grid from 0"), go_far, "E-DCM-008")
+
     def test_the_place_of_the_first_frame_alone_is_not_enough(self):
         self.assert_each_refused(60, 5, ("step",), lambda member, data: None, "E-DCM-040", "--frame-step", options=False)
 

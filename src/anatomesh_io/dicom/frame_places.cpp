@@ -63,6 +63,11 @@ Orientation orthonormal(const std::vector<double>& v) {
     return found;
 }
 
+bool is_in_bounds(Vec3 p) {
+    return std::abs(p.x) <= coordinate_bound_mm && std::abs(p.y) <= coordinate_bound_mm &&
+           std::abs(p.z) <= coordinate_bound_mm;
+}
+
 // The place that two items say, of the frame that errors name.
 class PlaceReader {
   public:
@@ -74,6 +79,11 @@ class PlaceReader {
             "E-DCM-004", set_, frame, frames_,
             fmt::format("{} is missing, so that the position of the image is unknown", name), {},
             "give a series with positions, or convert it to NIfTI or NRRD with known positions");
+    }
+
+    Error beyond(std::uint32_t frame, const std::vector<double>& position) const {
+        return frame_error("E-DCM-008", set_, frame, frames_, "the position of the image is beyond 1e7 mm",
+                           vector_text(position), correct_the_file);
     }
 
     Status read(const std::optional<DicomItem>& at, const std::optional<DicomItem>& along,
@@ -96,11 +106,8 @@ class PlaceReader {
         worst_ = std::max(worst_, axes.error);
         frame.row = axes.row;
         frame.column = axes.column;
-        for (const double each : *position)
-            if (!(std::abs(each) <= coordinate_bound_mm))
-                return frame_error("E-DCM-008", set_, frame.frame, frames_,
-                                   "the position of the image is beyond 1e7 mm", vector_text(*position),
-                                   correct_the_file);
+        if (!is_in_bounds({(*position)[0], (*position)[1], (*position)[2]}))
+            return beyond(frame.frame, *position);
         const auto clean = [](double x) { return std::abs(x) < 1e-300 ? 0.0 : x; };
         frame.position = {clean((*position)[0]), clean((*position)[1]), clean((*position)[2])};
         return Nothing{};
@@ -251,7 +258,9 @@ Status place_after_first(const DataSet& set, const FrameGroups& group, std::opti
     for (std::size_t i = 0; i < count; ++i) {
         found.frames[i].row = start.row;
         found.frames[i].column = start.column;
-        found.frames[i].position = start.position + (offsets[i] - offsets[0]) * normal;
+        const Vec3 at = start.position + (offsets[i] - offsets[0]) * normal;
+        if (!is_in_bounds(at)) return reader.beyond(static_cast<std::uint32_t>(i), {at.x, at.y, at.z});
+        found.frames[i].position = at;
     }
     return Nothing{};
 }
