@@ -128,6 +128,9 @@ class SameModel(harness.TestCase):
             self.assertEqual("W-CON-034" in said, bool(text), name)
             self.assertIn(text, said)
             self.assertEqual(json.loads((self.folder / "again.json").read_text()).get("exclusive", False), not text, name)
+            file["coverage"] = "drawn"
+            self.write("c.json", file)
+            self.assertIn("not that its slices are complete", self.run_program("contours", "c.json", "-o", "again.json").err)
             file["exclusive"] = "yes"
             self.write("c.json", file)
             self.assert_refused(["contours", "c.json", "-o", "x.json"], 3, "E-JSN-003", "true or false")

@@ -113,6 +113,15 @@ void add_empty_slices(std::vector<EmptyPlane> planes, const std::vector<std::str
 
 void settle_exclusive(const RawContours& raw, ContourSet& set, RunContext& context) {
     if (!raw.exclusive) return;
+    // Structures that exclude each other leave no place unsaid, so that every slice has to say all.
+    if (!set.complete) {
+        context.warn(
+            {"W-CON-034",
+             "the file says that structures exclude each other, but not that its slices are complete",
+             {raw.source, "", "", "", ""},
+             "they were read as structures that may overlap; give overlaps to one with --priority"});
+        return;
+    }
     if (const auto overlap = find_overlap(set)) {
         const auto name = [&](std::uint32_t index) { return structure_text(set.structures[index]); };
         context.warn(
@@ -127,7 +136,7 @@ void settle_exclusive(const RawContours& raw, ContourSet& set, RunContext& conte
         return;
     }
     set.exclusive = true;
-    set.drawn = !set.complete;
+    set.drawn = false;
 }
 
 }  // namespace anatomesh

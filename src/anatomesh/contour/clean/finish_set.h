@@ -28,8 +28,8 @@ Status thin_crowded_points(const RawContours& raw, double crowded_mm, ResolvedSl
 void add_empty_slices(std::vector<EmptyPlane> planes, const std::vector<std::string>& without,
                       double group_tolerance_mm, ContourSet& set, RunContext& context);
 
-// Takes the set for exclusive where the file says so and it is true (structure_overlap.h); one that says all besides is
-// a label map's, which nobody drew. Warns: W-CON-034 where it is not true.
+// Takes the set for that of a label map, exclusive and not drawn, where the file says so, its slices are complete and it
+// is true (structure_overlap.h). Warns: W-CON-034 where the file says it and that is not so.
 void settle_exclusive(const RawContours& raw, ContourSet& set, RunContext& context);
 
 }  // namespace anatomesh

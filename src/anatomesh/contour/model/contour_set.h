@@ -61,10 +61,10 @@ struct ContourSet {
     std::vector<Vec3> points;
 
     Frame frame = Frame::lps;
-    bool exclusive = false;  // true: regions of different structures never overlap (traced from a label map,
-                             // or read from a file that says so, where find_overlap() finds none)
-    bool drawn =
-        true;  // true: somebody drew them (keep every vertex); false: traced from voxels, here or by a file
+    // true: regions of different structures never overlap (traced from a label map, or read from a file that says
+    // so, where find_overlap() finds none)
+    bool exclusive = false;
+    bool drawn = true;  // true: somebody drew them (keep every vertex); false: traced from voxels
     // true: every slice says all of every structure, so that one without a structure says that it is not there
     // (a label map). false: the structure may not have been drawn there (SliceCoverage).
     bool complete = false;
