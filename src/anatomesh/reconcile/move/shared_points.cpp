@@ -21,6 +21,12 @@ namespace {
 constexpr double joining_mm = 0.05;
 // A moved vertex that is nearer to a shared point gives way to it. [mm; > 0; M 2026-11 fetal brain]
 constexpr double merge_mm = 0.03;
+// A vertex as drawn gives way if it is nearer than this share of its contour's mean segment: a file of few
+// decimals leaves it beside the point that it was. [1; 0 to 0.5; M 2026-11 sets with 1e-9 to 1e-2 mm there]
+constexpr double same_vertex_share = 0.005;
+// It is also nearer than this share of its own shorter segment. [1; same_vertex_share to 0.5; M 2026-11, the
+// same sets]
+constexpr double same_vertex_share_of_own = 0.1;
 // A shorter interval on a common line is none. [mm; > 0; M 2026-11 fetal brain]
 constexpr double least_interval_mm = 0.001;
 // Across a contour that runs along its line, places count as this sine away. [1, sine; 0 to 1; M 2026-11, set
@@ -44,6 +50,7 @@ class SharedPointInsertion {
           graph_(make_contour_graph(set)),
           ends_(place_endpoints(set, graph_, comparisons)),
           groups_(group_endpoints(set, ends_, comparisons)),
+          gives_way_mm_(distances_to_give_way()),
           usable_(groups_.target.size(), true),
           insertions_(set.contours.size()) {
         put_on_lines();
@@ -68,6 +75,29 @@ class SharedPointInsertion {
     }
 
   private:
+    // Returns, per point of the set, how near a shared point has to be for the point to give way to it. What
+    // other contours have too stays as drawn, because these may not have the shared point.
+    std::vector<double> distances_to_give_way() const {
+        const std::vector<bool> stays = points_that_stay(set_, graph_);
+        std::vector<double> distances(set_.points.size(), 0);
+        for (const Contour& contour : set_.contours) {
+            const auto segment = [&](std::uint32_t k) {
+                return length(set_.points[point_after(contour, k)] - set_.points[k]);
+            };
+            const std::uint32_t end = contour.first_point + contour.point_count;
+            double mean = 0;
+            for (std::uint32_t k = contour.first_point; k < end; ++k)
+                mean += segment(k) / contour.point_count;
+            for (std::uint32_t k = contour.first_point; k < end; ++k) {
+                const double shorter = std::min(segment(k), segment(point_before(contour, k)));
+                if (!stays[k])
+                    distances[k] = std::min(same_vertex_share * mean, same_vertex_share_of_own * shorter);
+                if (moved_[k]) distances[k] = std::max(distances[k], merge_mm);
+            }
+        }
+        return distances;
+    }
+
     // A moved vertex is only as near to the line as the movement came, so its point is put onto the line.
     void put_on_lines() {
         for (std::size_t p = 0; p < ends_.on_nodes; ++p) {
@@ -232,7 +262,7 @@ class SharedPointInsertion {
     struct Link {
         Vec3 at;
         bool is_shared = false;
-        bool is_moved = false;  // and not shared
+        double gives_way_mm = 0;  // to a shared point that is nearer
     };
 
     // Returns the contour with the points that `use` accepts; a point equal to its neighbour is there
@@ -250,29 +280,29 @@ class SharedPointInsertion {
         };
         auto next = insertions_[c].begin();
         for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
-            Link link{set_.points[k], false, moved_[k]};
+            Link link{set_.points[k], false, gives_way_mm_[k]};
             while (next != insertions_[c].end() && next->after == k && next->replaces) {
-                if (use(next->group)) link = {groups_.target[next->group], true, false};
+                if (use(next->group)) link = {groups_.target[next->group], true, 0};
                 ++next;
             }
             add(link);
             for (; next != insertions_[c].end() && next->after == k; ++next) {
-                if (use(next->group)) add({groups_.target[next->group], true, false});
+                if (use(next->group)) add({groups_.target[next->group], true, 0});
             }
         }
         while (links.size() > 1 && links.back().at == links.front().at) links.pop_back();
         return merged(links);
     }
 
-    // Leaves out the moved vertices beside shared points.
+    // Leaves out the vertices that give way to shared points beside them.
     static std::vector<Vec3> merged(const std::vector<Link>& links) {
         std::vector<Vec3> points;
         const std::size_t count = links.size();
         for (std::size_t n = 0; n < count; ++n) {
             const auto gives_way_to = [&](const Link& other) {
-                return other.is_shared && length(other.at - links[n].at) < merge_mm;
+                return other.is_shared && length(other.at - links[n].at) < links[n].gives_way_mm;
             };
-            if (links[n].is_moved &&
+            if (links[n].gives_way_mm > 0 &&
                 (gives_way_to(links[(n + 1) % count]) || gives_way_to(links[(n + count - 1) % count])))
                 continue;
             // The vertex between two places of one point may have gone.
@@ -343,6 +373,7 @@ class SharedPointInsertion {
     const ContourGraph graph_;
     const EndpointPlaces ends_;
     EndpointGroups groups_;
+    const std::vector<double> gives_way_mm_;  // per point of the set
     std::vector<bool> usable_;
     std::vector<std::uint8_t> left_out_;              // per place: its slice keeps it where it is
     std::vector<std::uint8_t> lacks_some_;            // per group: of its places

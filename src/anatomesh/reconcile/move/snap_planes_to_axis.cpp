@@ -20,6 +20,15 @@ constexpr std::size_t least_planes = 5;
 // So many slices are paired with all others to find the axis: one of three is on it where most are. [slices;
 // >= 1; B]
 constexpr std::uint32_t most_firsts = 3;
+// Fewer planes than most of all pass a line as near as this by no accident: two of them always do. [mm; > 0;
+// M 2026-11 fans of 3 to 9 planes with a stack, rounded to 0.0001 and 0.001 mm]
+constexpr double closely_rounded_mm = 0.002;
+// So many planes at least. [planes; >= 3; D]
+constexpr std::size_t least_planes_of_some = 3;
+// So many such axes are looked for. [axes; >= 1; B]
+constexpr int most_axes = 16;
+// To find one, planes are tried with lines of two others so often. [tries; > 0; B]
+constexpr std::size_t most_tries_of_planes = 50'000'000;
 // Two planes at a smaller angle do not fix where the axis is.
 // [1, sine; 0 to 1; M 2026-11 ellipsoid of 36 planes rounded to 0.01 mm]
 constexpr double least_axis_sine = 0.01;
@@ -30,9 +39,21 @@ struct AxisSegment {
     Vec3 direction() const { return normalized(ends[1] - ends[0]); }
 };
 
-bool runs_through(const Plane& plane, const AxisSegment& axis) {
+// Which planes an axis is sought of, and how.
+struct AxisSearch {
+    std::uint32_t firsts = 0;        // slices that are paired with all others
+    std::size_t least_planes = 0;    // through the axis
+    double within_mm = 0;            // of it
+    std::vector<bool> leaves_out{};  // by slice; empty: none
+};
+
+bool is_left_out(const AxisSearch& search, std::uint32_t slice) {
+    return !search.leaves_out.empty() && search.leaves_out[slice];
+}
+
+bool runs_through(const Plane& plane, const AxisSegment& axis, double within_mm) {
     return std::all_of(axis.ends.begin(), axis.ends.end(),
-                       [&](Vec3 p) { return std::abs(plane.signed_distance(p)) <= rounded_plane_mm; });
+                       [&](Vec3 p) { return std::abs(plane.signed_distance(p)) <= within_mm; });
 }
 
 // Returns the common line of two planes, as far as the box of all contours reaches along it.
@@ -55,27 +76,29 @@ std::optional<AxisSegment> common_line(const Box3& box, const Plane& p, const Pl
     return AxisSegment{{at + low * direction, at + high * direction}};
 }
 
-std::vector<std::uint32_t> planes_through(const ContourSet& set, const AxisSegment& axis) {
+std::vector<std::uint32_t> planes_through(const ContourSet& set, const AxisSegment& axis,
+                                          const AxisSearch& search) {
     std::vector<std::uint32_t> found;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        if (runs_through(set.slices[s].plane, axis)) found.push_back(s);
+        if (!is_left_out(search, s) && runs_through(set.slices[s].plane, axis, search.within_mm))
+            found.push_back(s);
     }
     return found;
 }
 
 // Returns the line that most planes pass, of the lines of some slices with all others.
-std::optional<AxisSegment> axis_of_most(const ContourSet& set) {
+std::optional<AxisSegment> axis_of_most(const ContourSet& set, const AxisSearch& search) {
     Box3 box;
     for (const Vec3& p : set.points) box.extend(p);
     std::optional<AxisSegment> best;
-    std::size_t most = std::max(least_planes - 1, set.slices.size() / 2);
-    const auto firsts = std::min<std::uint32_t>(most_firsts, static_cast<std::uint32_t>(set.slices.size()));
-    for (std::uint32_t a = 0; a < firsts; ++a) {
+    std::size_t most = search.least_planes - 1;
+    for (std::uint32_t a = 0; a < search.firsts; ++a) {
         for (std::uint32_t b = a + 1; b < set.slices.size(); ++b) {
+            if (is_left_out(search, a) || is_left_out(search, b)) continue;
             const std::optional<AxisSegment> axis =
                 common_line(box, set.slices[a].plane, set.slices[b].plane);
             if (!axis) continue;
-            const std::size_t count = planes_through(set, *axis).size();
+            const std::size_t count = planes_through(set, *axis, search).size();
             if (count <= most) continue;
             most = count;
             best = axis;
@@ -120,13 +143,11 @@ bool keeps_points(const ContourSet& set, const Slice& slice, const Plane& plane)
     return true;
 }
 
-std::uint32_t turn_about_axis(ContourSet& set) {
-    if (set.slices.size() < least_planes) return 0;
-    const std::optional<AxisSegment> rough = axis_of_most(set);
-    if (!rough) return 0;
-    const std::vector<std::uint32_t> slices = planes_through(set, *rough);
-    const AxisSegment axis{{nearest_to_all(set, slices, rough->ends[0], rough->direction()),
-                            nearest_to_all(set, slices, rough->ends[1], rough->direction())}};
+// Turns planes to contain the axis that they all but pass. Returns the number of those turned.
+std::uint32_t turn_about(ContourSet& set, const AxisSegment& rough,
+                         const std::vector<std::uint32_t>& slices) {
+    const AxisSegment axis{{nearest_to_all(set, slices, rough.ends[0], rough.direction()),
+                            nearest_to_all(set, slices, rough.ends[1], rough.direction())}};
     std::uint32_t turned = 0;
     for (const std::uint32_t s : slices) {
         Plane& plane = set.slices[s].plane;
@@ -141,11 +162,37 @@ std::uint32_t turn_about_axis(ContourSet& set) {
     return turned;
 }
 
+// Turns most planes about the one axis that they pass, then some about each axis that they pass more nearly.
+// A plane is turned about one axis only.
+std::uint32_t turn_about_axes(ContourSet& set) {
+    const std::size_t count = set.slices.size();
+    std::vector<bool> done(count, false);
+    std::uint32_t turned = 0;
+    const auto turn = [&](const AxisSearch& search) {
+        const std::optional<AxisSegment> rough = axis_of_most(set, search);
+        if (!rough) return false;
+        const std::vector<std::uint32_t> slices = planes_through(set, *rough, search);
+        turned += turn_about(set, *rough, slices);
+        for (const std::uint32_t s : slices) done[s] = true;
+        return true;
+    };
+    if (count >= least_planes) {
+        const auto firsts = std::min<std::uint32_t>(most_firsts, static_cast<std::uint32_t>(count));
+        turn({firsts, std::max(least_planes, count / 2 + 1), rounded_plane_mm, {}});
+    }
+    const auto firsts =
+        static_cast<std::uint32_t>(std::min(count, most_tries_of_planes / (count * count + 1)));
+    for (int n = 0; n < most_axes; ++n) {
+        if (!turn({firsts, least_planes_of_some, closely_rounded_mm, done})) break;
+    }
+    return turned;
+}
+
 }  // namespace
 
 PlaneSnappingStats snap_planes_to_axis(ContourSet& set) {
     PlaneSnappingStats stats;
-    stats.about_axis = turn_about_axis(set);
+    stats.about_axis = turn_about_axes(set);
     for (const Contour& contour : set.contours) {
         const Plane& plane = set.slices[contour.slice].plane;
         for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {

@@ -83,5 +83,27 @@ TEST(SnapPlanesToAxis, planes_that_were_not_meant_to_meet_in_a_line_stay) {
     }
 }
 
+// A fan that is a part of all slices, rounded as a file of four decimals rounds.
+TEST(SnapPlanesToAxis, fewer_planes_than_most_run_through_one_line_too_if_they_pass_it_nearly) {
+    for (const int count : {3, 4, 5, 7}) {
+        ContourSet set = about_axis(count, 0.0003);
+        for (int k = 0; k < 9; ++k) {
+            Ring ring;
+            for (int n = 0; n < 40; ++n) {
+                const double a = 2 * std::numbers::pi * n / 40;
+                ring.push_back({15 * std::cos(a), 15 * std::sin(a)});
+            }
+            add_slice(set, make_plane({0, 0, 3.0 * k - 12}, {0.1, 0.05, 1}), ring);
+        }
+        const ContourSet before = set;
+        EXPECT_EQ(snap_planes_to_axis(set).about_axis, static_cast<std::uint32_t>(count));
+        const Vec3 one = normalized(cross(set.slices[0].plane.normal, set.slices[1].plane.normal));
+        for (int k = 0; k < count; ++k)
+            EXPECT_LT(std::abs(dot(set.slices[static_cast<std::size_t>(k)].plane.normal, one)), 1e-12);
+        for (std::size_t s = static_cast<std::size_t>(count); s < set.slices.size(); ++s)
+            EXPECT_EQ(set.slices[s].plane.normal, before.slices[s].plane.normal);
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh::snap_planes_to_axis_test
