@@ -87,7 +87,7 @@ Result<ReconcileState> repeat(ReconcileState state, const ReconcileScope& scope,
         if (left <= line_in_plane_mm) break;
         ReconcileState before = state;
         arcs.taken.clear();
-        if (over && !split_arcs_over_lines(state, scope, arcs, context)) break;
+        if (over && !split_arcs_over_lines(state, scope, arcs, context) && !arcs.falls_back) break;
         split_at_endpoints(state.set, state.comparisons);
         carry_over_original(state, before.set, before.original);
         compare_slices(state, scope, context);
@@ -100,8 +100,7 @@ Result<ReconcileState> repeat(ReconcileState state, const ReconcileScope& scope,
         }
         state = std::move(before);
         if (failed.empty()) break;
-        arcs.given_up.insert(arcs.given_up.end(), failed.begin(), failed.end());
-        std::sort(arcs.given_up.begin(), arcs.given_up.end());
+        give_up(state, scope, failed, arcs);
     }
     return state;
 }

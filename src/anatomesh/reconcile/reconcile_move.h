@@ -13,8 +13,8 @@ ReconcileStep move_and_join;
 // they belong. A repetition is kept if slices differ by a fifth less after it; at most 4 are.
 ReconcileStep repeat_with_more_vertices;
 
-// Repeats it with what a slice lacks altogether, though most slices have it, taken over the line
-// (reconcile_arcs.h). A repetition is kept if, besides, all arcs came there; the arcs that did not are given
+// Repeats it with what a slice lacks altogether, though most slices have it, or though that is the least
+// movement, taken over the line (reconcile_arcs.h). A repetition is kept if, besides, all arcs came there; the arcs that did not are given
 // up, and the others taken again. What came over is repeated with more vertices once more.
 ReconcileStep take_arcs_over_lines;
 

@@ -32,19 +32,22 @@ struct MovementTask {
 // Pins the arcs of intervals and gaps that only one of the slices has to the other side of the line. Returns
 // whether there was one.
 bool draw_back(const ReconcileState& state, const ReconcileScope& scope, const LineComparison& comparison,
-               const LineVotes& votes, const ContourGraph& graph, std::vector<MovementNode>& nodes) {
+               const LineVotes& votes, const ContourGraph& graph, const ArcsOverLines* arcs,
+               std::vector<MovementNode>& nodes) {
     bool any = false;
+    const bool given_up = arcs != nullptr && are_given_up(*arcs, comparison);
     for (const bool of_a : {true, false}) {
         const auto& ends = of_a ? comparison.endpoints_a : comparison.endpoints_b;
         const std::uint32_t own = of_a ? comparison.a : comparison.b,
                             other = of_a ? comparison.b : comparison.a;
         for (const std::uint32_t i :
              of_a ? comparison.matching.only_first : comparison.matching.only_second) {
+            const LoneRepair repair = lone_repair(state, scope, comparison, votes, of_a, i);
+            if (repair != LoneRepair::draw_back && !(given_up && repair == LoneRepair::take_over_first))
+                continue;
             const Arc arc = arc_between(state.set, ends[i], ends[i + 1], state.set.slices[own].plane,
                                         state.set.slices[other].plane);
-            if (arc.points.empty() || arc.height_mm > scope.options.max_disagreement_mm ||
-                votes.most_agree(comparison, own, 0.5 * (ends[i].t + ends[i + 1].t)))
-                continue;
+            if (arc.points.empty() || arc.height_mm > scope.options.max_disagreement_mm) continue;
             any = true;
             pin_arc(arc, scope.clearance_mm, graph, nodes);
         }
@@ -62,7 +65,7 @@ MovementTask movement_task(const ReconcileState& state, const ReconcileScope& sc
     task.nodes = movement_nodes(graph, ends, groups);
     const LineVotes votes(state.comparisons);
     for (const LineComparison& comparison : state.comparisons) {
-        if (draw_back(state, scope, comparison, votes, graph, task.nodes)) task.is_done = false;
+        if (draw_back(state, scope, comparison, votes, graph, arcs, task.nodes)) task.is_done = false;
         if (arcs != nullptr && pin_arcs_over_line(state, scope, comparison, votes, graph, task.nodes, *arcs))
             task.is_done = false;
     }

@@ -10,8 +10,9 @@ namespace anatomesh {
 // corresponding endpoints to one point, and arcs that one slice has alone to the other side of the line.
 // Moved contours meet the line elsewhere than linear theory says, so the next round measures again.
 //
-// An arc is not drawn back where most slices through the line contradict the other slice. With `arcs`,
-// those that most slices have and one lacks are taken over lines as well, and noted there. The rounds end
+// An arc is not drawn back where most slices through the line contradict the other slice, nor where one of
+// the other slice is much nearer to the line (lone_repair). With `arcs`, those that most slices have and one
+// lacks are taken over lines as well, and these nearer ones, and noted there. The rounds end
 // when nothing is left to move, when the worst distance has not fallen by a tenth for 6 rounds, or after
 // 16 rounds.
 //

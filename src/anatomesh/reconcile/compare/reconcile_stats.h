@@ -52,10 +52,12 @@ struct SliceMovement {
 };
 
 // A structure of a slice whose contour was taken over a line. On the line the slice lacked what most of
-// the slices through it have, or had what they lack.
+// the slices through it have, or had what they lack; or the same of one other slice, where that is the least
+// movement.
 struct TakenOver {
     std::uint32_t slice = 0, structure = 0;
     double farthest_mm = 0;  // of the contour from the line
+    bool for_most = true;    // of the slices through the line, or for one other alone
 };
 
 // All slices on all common lines together.

@@ -157,14 +157,17 @@ class ReconcileWarnings {
             place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
             context_.warn(
                 {"W-RCN-010",
-                 "the slice contradicts most slices that meet it in one line: its contour ends before the "
-                 "line, or "
-                 "continues beyond it" +
+                 "the slice contradicts " +
+                     std::string(named[n].for_most ? "most slices that meet it in one line"
+                                                   : "a slice that crosses it") +
+                     ": its contour ends before the line, or continues beyond it" +
                      std::string(named.size() > most_named_pairs && n == 0
                                      ? "; " + std::to_string(named.size()) + " such slices and structures"
                                      : ""),
                  std::move(place),
-                 "its contour was moved across the line to agree with the others; check this slice"});
+                 std::string("its contour was moved across the line to agree") +
+                     (named[n].for_most ? " with the others; check this slice"
+                                        : ", because that is the least movement; check both slices")});
         }
     }
 

@@ -44,9 +44,19 @@ LineVotes::LineVotes(std::span<const LineComparison> comparisons) : comparisons_
 }
 
 bool LineVotes::most_agree(const LineComparison& comparison, std::uint32_t own, double t) const {
+    const Count votes = count(comparison, own, t);
+    return votes.with > votes.against;
+}
+
+bool LineVotes::most_differ(const LineComparison& comparison, std::uint32_t own, double t) const {
+    const Count votes = count(comparison, own, t);
+    return votes.against > votes.with;
+}
+
+LineVotes::Count LineVotes::count(const LineComparison& comparison, std::uint32_t own, double t) const {
     const bool inside = is_inside(own == comparison.a ? comparison.endpoints_a : comparison.endpoints_b, t);
     const Vec3 place = comparison.line.at(t);
-    std::size_t with = 1, against = 0;
+    Count votes;
     for (std::uint32_t n = first_[own]; n < first_[own + 1]; ++n) {
         const LineComparison& one = comparisons_[of_slice_[n]];
         if (one.structure != comparison.structure || !runs_by(one.line, comparison.line, place)) continue;
@@ -55,9 +65,10 @@ bool LineVotes::most_agree(const LineComparison& comparison, std::uint32_t own, 
         const auto& [first, last] = own == one.a ? one.seen_by_b : one.seen_by_a;
         if (!(there >= first && there <= last)) continue;
         if (is_inside(own == one.a ? one.endpoints_a : one.endpoints_b, there) != inside) continue;
-        ++(is_inside(own == one.a ? one.endpoints_b : one.endpoints_a, there) == inside ? with : against);
+        ++(is_inside(own == one.a ? one.endpoints_b : one.endpoints_a, there) == inside ? votes.with
+                                                                                        : votes.against);
     }
-    return with > against;
+    return votes;
 }
 
 }  // namespace anatomesh

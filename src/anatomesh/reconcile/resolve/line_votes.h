@@ -21,7 +21,15 @@ class LineVotes {
     // any have no comparison and do not count for each other. Complexity: O(comparisons of `own`).
     bool most_agree(const LineComparison& comparison, std::uint32_t own, double t) const;
 
+    // Returns whether slice `own` contradicts the majority there. Otherwise as most_agree().
+    bool most_differ(const LineComparison& comparison, std::uint32_t own, double t) const;
+
   private:
+    struct Count {
+        std::size_t with = 1, against = 0;
+    };
+    Count count(const LineComparison& comparison, std::uint32_t own, double t) const;
+
     std::span<const LineComparison> comparisons_;
     std::vector<std::uint32_t> first_, of_slice_;  // of slice s: of_slice_[first_[s], first_[s + 1])
 };

@@ -60,6 +60,7 @@ TEST(LineVotes, count_the_slices_that_say_the_same_at_a_place) {
                 if (static_cast<int>(own) < beside) continue;
                 const double t = one.line.along({0, 0, 3});
                 EXPECT_EQ(votes.most_agree(one, own, t), beside < 4) << beside << ": " << own;
+                EXPECT_EQ(votes.most_differ(one, own, t), beside > 4) << beside << ": " << own;
                 EXPECT_TRUE(votes.most_agree(one, own, one.line.along({0, 0, radius + 1})));
             }
         }
@@ -72,6 +73,8 @@ TEST(LineVotes, two_slices_have_no_majority) {
     const LineVotes votes(comparisons);
     EXPECT_FALSE(votes.most_agree(comparisons[0], 0, 0));
     EXPECT_FALSE(votes.most_agree(comparisons[0], 1, 0));
+    EXPECT_FALSE(votes.most_differ(comparisons[0], 0, 0));
+    EXPECT_FALSE(votes.most_differ(comparisons[0], 1, 0));
 }
 
 // A box in a plane about the z axis: from `near` to `far` beside the axis, low to high along it, with a
