@@ -90,7 +90,7 @@ def built(program, folder, path):
     cuts = [cut for cut in report["cuts"] if cut["drawn_mm2"] > 0]
     off = [cut for cut in cuts if cut["difference_mm2"] > 0.001 * cut["drawn_mm2"]]
     return [segments, missed, len(cuts), len(off), list(state.values()).count("broken"),
-            state[2] == "kept", state[4] == "kept", seconds]
+            state[2] in ("kept", "moved"), state[4] == "kept", seconds]
 
 
 def main():

@@ -222,6 +222,7 @@ Status run_check(CheckOptions options, Session& session) {
         contours->kept = std::move(both.drawn);
         on_surface = std::move(both.on_surface);
         report.contours.routed = std::move(both.routed);
+        report.crossing.movement = std::move(both.movement);
         report.provenance.inputs = contours->files;
     }
     CertificateInput input{model.mesh, model.description.regions, model.description.structures};
@@ -241,6 +242,7 @@ Status run_check(CheckOptions options, Session& session) {
         input,
         {size_of(model.description).value_or(0), &model.mid_nodes, options.contours.input, options.model},
         session.context, report);
+    state_movement(report);
     report.provenance.version = ANATOMESH_VERSION;
     report.provenance.command = quoted_command(session.words);
     report.conventions.space = model.description.space;

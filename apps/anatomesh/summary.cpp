@@ -16,6 +16,8 @@ const char* state_text(ClauseState state) {
     switch (state) {
         case ClauseState::kept:
             return "kept";
+        case ClauseState::moved:
+            return "moved";
         case ClauseState::not_promised_yet:
             return "not promised yet";
         case ClauseState::broken:
@@ -37,6 +39,13 @@ std::string structure_line(const StructureReport& structure) {
                        on_one_line(structure.name), structure.tetrahedra,
                        structure.tetrahedra == 1 ? "tetrahedron" : "tetrahedra", structure.volume.mesh_mm3,
                        shells_text(structure), structure.surface.genus);
+}
+
+// How far and how many; nothing where contours were moved to edges of the surface alone.
+std::string moved_text(const ContourMovementReport& movement) {
+    if (movement.contours_moved == 0) return "";
+    return fmt::format(" ({} of {} contours, by {:.3g} mm at most)", movement.contours_moved,
+                       movement.contours, movement.farthest_mm);
 }
 
 }  // namespace
@@ -69,7 +78,8 @@ std::string report_summary(const ModelReport& report) {
 
 std::string certificate_line(const ModelReport& report) {
     std::string text = "  certificate:";
-    for (const ClauseState state : {ClauseState::kept, ClauseState::not_promised_yet, ClauseState::broken}) {
+    for (const ClauseState state :
+         {ClauseState::kept, ClauseState::moved, ClauseState::not_promised_yet, ClauseState::broken}) {
         std::string numbers;
         for (const Clause& clause : report.certificate) {
             if (clause.state == state)
@@ -77,7 +87,8 @@ std::string certificate_line(const ModelReport& report) {
         }
         if (numbers.empty()) continue;
         const bool several = numbers.find(',') != std::string::npos;
-        text += fmt::format(" {} {} {};", several ? "clauses" : "clause", numbers, state_text(state));
+        text += fmt::format(" {} {} {}{};", several ? "clauses" : "clause", numbers, state_text(state),
+                            state == ClauseState::moved ? moved_text(report.crossing.movement) : "");
     }
     text.back() = '\n';
     return text;

@@ -6,6 +6,10 @@
 
 namespace anatomesh::contract {
 
+// Clauses 1 and 2: contours that are farther from where they were drawn than this share of the slices' spacing
+// are moved, and the clauses say so. What is nearer no slice beside it could tell from what was drawn.
+// [1, of the spacing; > 0; C clauses 1 and 2]
+inline constexpr double moved_share_of_spacing = 0.5;
 // Clause 2: the model's cross-section differs from a drawn region by no more than this share of its area.
 // [1, of the area; 0 to 1; C clause 2]
 inline constexpr double section_tolerance = 0.001;

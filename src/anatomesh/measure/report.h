@@ -13,7 +13,8 @@
 
 namespace anatomesh {
 
-enum class ClauseState : std::uint8_t { kept, not_promised_yet, broken };
+// `moved`: kept with regard to contours that stand farther from where they were drawn than slices are sharp.
+enum class ClauseState : std::uint8_t { kept, moved, not_promised_yet, broken };
 
 // One clause of the contract (docs/stages/11-certificate.md): 1 to 6.
 struct Clause {
@@ -206,6 +207,15 @@ struct SliceMovementReport {
     std::array<double, 3> shift{};   // rigid, by --align
 };
 
+// How far the contours that a model is made of are from where they were drawn, because slices that cross were
+// made to agree. A contour is moved if a vertex of it is farther than the bound.
+struct ContourMovementReport {
+    double bound_mm = 0;  // half a slice spacing; 0: not measured
+    double farthest_mm = 0;
+    std::uint64_t contours = 0, contours_moved = 0, vertices = 0, vertices_moved = 0;  // as drawn
+    std::string structure, slice;                                                      // of the farthest
+};
+
 // How far crossing slices agreed, and what was moved. Without pairs: no planes cross.
 struct CrossingReport {
     bool reconciled = false;
@@ -214,6 +224,7 @@ struct CrossingReport {
     double mean_movement_mm = 0, max_movement_mm = 0;
     std::vector<CrossingPairReport> pairs;
     std::vector<SliceMovementReport> slices;
+    ContourMovementReport movement;
 };
 
 // What a model was made of, by which program, and with which options.

@@ -3,6 +3,7 @@
 #include "anatomesh/base/number_text.h"
 #include "anatomesh/base/version.h"
 #include "anatomesh/field/end_caps.h"
+#include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/pipeline/estimate.h"
 
 namespace anatomesh {
@@ -58,6 +59,7 @@ void complete_report(const PreparedContours& prepared, const MakeModelOptions& o
     report.lengths.epsilon_mm = prepared.epsilon_mm;
     report.run.stages.insert(report.run.stages.begin(), prepared.stages.begin(), prepared.stages.end());
     report.crossing = prepared.crossing;
+    state_movement(report);
     report.provenance.options = options_told(prepared, options, report.lengths.size_mm);
     report.warnings = context.warnings;
 }

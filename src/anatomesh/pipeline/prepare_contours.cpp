@@ -15,6 +15,7 @@
 #include "anatomesh/contour/trace/merge_layers.h"
 #include "anatomesh/image/components.h"
 #include "anatomesh/image/select.h"
+#include "anatomesh/measure/contour_movement.h"
 #include "anatomesh/measure/crossing_report.h"
 #include "anatomesh/overlaps/outlines_between.h"
 
@@ -285,9 +286,10 @@ Result<PreparedContours> finished(PreparedContours prepared, const PrepareOption
         ANATOMESH_CHECK_STATUS(check(prepared.kept));
     }
     ANATOMESH_TRY(ReconcileResult reconciled,
-                  reconcile_contours(std::move(prepared.kept), reconcile_options(options), context));
-    prepared.kept = std::move(reconciled.kept);
+                  reconcile_contours(prepared.kept, reconcile_options(options), context));
+    const ContourSet drawn = std::exchange(prepared.kept, std::move(reconciled.kept));
     prepared.crossing = crossing_report(prepared.kept, reconciled.stats, options.reconcile.reconcile);
+    if (!prepared.crossing.pairs.empty()) prepared.crossing.movement = contour_movement(drawn, prepared.kept);
     ANATOMESH_CHECK_STATUS(give_to_first(prepared, options, context));
     prepared.stages.push_back({"reconcile", watch.lap(), prepared.kept.points.size(), 0, {}});
     return prepared;

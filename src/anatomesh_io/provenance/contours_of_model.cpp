@@ -15,6 +15,7 @@
 #include "anatomesh/contour/model/find_structures.h"
 #include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
+#include "anatomesh/measure/contour_movement.h"
 #include "anatomesh/measure/hausdorff.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/overlaps/outlines_between.h"
@@ -55,10 +56,11 @@ struct Prepared {
     ContourSet kept;
     std::vector<std::string> steps;
     bool gave_overlaps = false;
+    ContourMovementReport movement{};
 };
 
 std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& description, RunContext& apart) {
-    Prepared done{std::move(kept), {}, false};
+    Prepared done{std::move(kept), {}};
     const auto says = [&](const char* name, const char* value) {
         const std::vector<std::string> values = options_of(description, name);
         return !values.empty() && values.front() == value;
@@ -74,8 +76,9 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
         };
         take("same_line_mm", 0.1, options.same_line_mm);
         take("close_slivers_mm", 10, options.close_slivers_mm);
-        Result<ReconcileResult> reconciled = reconcile_contours(std::move(done.kept), options, apart);
+        Result<ReconcileResult> reconciled = reconcile_contours(done.kept, options, apart);
         if (!reconciled.ok()) return std::nullopt;
+        done.movement = contour_movement(done.kept, reconciled.value().kept);
         done.kept = std::move(reconciled).value().kept;
         done.steps.emplace_back("slices that cross were made to agree (reconcile 1)");
     }
@@ -171,6 +174,7 @@ struct Candidate {
     std::vector<std::string> steps;
     std::vector<Warning> warnings;
     bool gave_overlaps = false;
+    ContourMovementReport movement{};
 };
 
 // Those that follow from the contours given. Models of single structures are made of contours that all of
@@ -189,12 +193,12 @@ std::vector<Candidate> candidates(const ContourSet& given, const ModelFile& mode
             ContourSet drawn = all_together ? given : own;
             if (shared) {
                 share_walls(drawn, *walls, sharing);
-                all.push_back({without_others(drawn, model), {}, sharing.warnings, false});
+                all.push_back({without_others(drawn, model), {}, sharing.warnings});
             }
             std::optional<Prepared> done = prepared(std::move(drawn), model.description, apart);
             if (done)
                 all.push_back({without_others(done->kept, model), std::move(done->steps), sharing.warnings,
-                               done->gave_overlaps});
+                               done->gave_overlaps, std::move(done->movement)});
         }
     }
     return all;
@@ -279,8 +283,10 @@ Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& mode
         least = here;
         taken = &other;
     }
+    ContourMovementReport movement;
     if (taken != nullptr) {
         best = taken->kept;
+        movement = taken->movement;
         for (const Warning& warning : taken->warnings) context.warn(warning);
         if (!taken->steps.empty()) {
             context.warn({"W-CMD-011",
@@ -304,8 +310,9 @@ Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& mode
     }
     std::optional<BothContours> both = both_contours(best, model.description);
     if (both)
-        return ContoursOfModel{std::move(both->drawn), std::move(both->on_surface), std::move(both->routed)};
-    return ContoursOfModel{std::move(best), std::nullopt, {}};
+        return ContoursOfModel{std::move(both->drawn), std::move(both->on_surface), std::move(both->routed),
+                               std::move(movement)};
+    return ContoursOfModel{std::move(best), std::nullopt, {}, std::move(movement)};
 }
 
 std::string distance_text(const ContourSet& contours, const ModelFile& model) {

@@ -18,6 +18,7 @@ struct ContoursOfModel {
     ContourSet drawn;
     std::optional<ContourSet> on_surface;     // where some are re-routed, as the model's file says
     std::vector<RoutedContourReport> routed;  // those
+    ContourMovementReport movement{};         // by reconciling, where that was done to the contours given
 };
 
 // Of contours on more slices than the model was made of, as its file says (every, offset), those on its own

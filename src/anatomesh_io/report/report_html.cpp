@@ -147,6 +147,7 @@ std::string certificate(const ModelReport& report) {
     std::string rows;
     for (const Clause& clause : report.certificate) {
         const char* kind = clause.state == ClauseState::kept     ? "kept\">kept"
+                           : clause.state == ClauseState::moved  ? "wait\">moved"
                            : clause.state == ClauseState::broken ? "broken\">broken"
                                                                  : "wait\">not promised yet";
         rows += row(number_cell(std::to_string(clause.number)) +

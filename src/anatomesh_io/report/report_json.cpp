@@ -26,6 +26,8 @@ const char* state_name(ClauseState state) {
     switch (state) {
         case ClauseState::kept:
             return "kept";
+        case ClauseState::moved:
+            return "moved";
         case ClauseState::broken:
             return "broken";
         case ClauseState::not_promised_yet:
@@ -228,6 +230,13 @@ Json crossing_json(const CrossingReport& crossing) {
             {"slices", std::move(slices)}};
 }
 
+Json movement_json(const ContourMovementReport& movement) {
+    return {{"bound_mm", number(movement.bound_mm)}, {"farthest_mm", number(movement.farthest_mm)},
+            {"contours", movement.contours},         {"contours_moved", movement.contours_moved},
+            {"vertices", movement.vertices},         {"vertices_moved", movement.vertices_moved},
+            {"structure", movement.structure},       {"slice", movement.slice}};
+}
+
 Json stages_json(const ModelReport& report) {
     Json list = Json::array();
     for (const StageReport& stage : report.run.stages) {
@@ -325,6 +334,8 @@ std::string report_json(const ModelReport& report) {
         {"timing", timing_json(report)},
     };
     if (!report.crossing.pairs.empty()) json["crossing_slices"] = crossing_json(report.crossing);
+    if (report.crossing.movement.bound_mm > 0)
+        json["contour_movement"] = movement_json(report.crossing.movement);
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -1,9 +1,10 @@
 // measure_model: the figures of a model and its certificate, the six clauses of the contract.
 //
 //   clause                                                    state
-//   1 contour vertices on the surface, bit for bit            kept or broken
+//   1 contour vertices on the surface, bit for bit            kept, moved or broken
 //   2 contour segments are chains of surface edges, cross-
-//     sections by the slices' planes the drawn regions        kept where all are; else counted and stated, or broken
+//     sections by the slices' planes the drawn regions        kept or moved where all are; else counted and stated,
+//                                                             or broken
 //   3 closed oriented 2-manifolds, positive cells, no overlap kept or broken
 //   4 radius-edge ratio at most 2; dihedral angles            kept where both are met; else counted and stated, or broken
 //   5 same input, same bytes                                  kept, by construction of the stages
@@ -58,6 +59,12 @@ std::size_t matching_structure(std::span<const Structure> contours, std::size_t 
 // clause 1. Complexity: O(n log n): 250,000 cells take about 0.7 s on one thread, a third of it for
 // check_mesh().
 void measure_model(const CertificateInput& input, const RunContext& context, ModelReport& report);
+
+// States of a measured report how far the contours are from where they were drawn, by report.crossing.movement
+// and contours.routed, in the evidence of clause 1. Where that is more than half a slice spacing, clauses 1 and 2
+// are `moved` if they are kept: they hold of contours that nobody drew there. Nothing changes where nothing
+// moved.
+void state_movement(ModelReport& report);
 
 // Whether a clause is broken.
 bool any_broken(std::span<const Clause> certificate);

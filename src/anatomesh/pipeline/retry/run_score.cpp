@@ -40,7 +40,7 @@ void add_report(RunScore& score, const ModelReport& report, bool has_segments_be
     score.over_bound = report.quality.radius_edge.share_over_2;
     bool lacks_contours = has_segments_beside;  // clause 2
     for (const Clause& clause : report.certificate) {
-        if (clause.state == ClauseState::kept) continue;
+        if (clause.state == ClauseState::kept || clause.state == ClauseState::moved) continue;
         if (clause.number == 2)
             lacks_contours = true;
         else
