@@ -14,23 +14,6 @@ constexpr double least_difference = 3.1;
 // Of two such outlines, pieces are matched within so many differences of their radii: an outline need not lie
 // in the middle of the other. [differences of radii; >= 1; M 2026-11 head CT, every second slice out]
 constexpr double reach_share = 2;
-// So many points of an outline, evenly spread, say whether it lies within another one. [points; >= 8; B]
-constexpr std::uint32_t points_asked = 32;
-
-enum class Share { none, some, all };
-
-// How much of an outline lies within another, by some of its points.
-Share share_within(const Outlines& in, const Outline& outline, const Outlines& others, const Outline& other) {
-    const std::uint32_t stride = outline.count / points_asked + 1;
-    std::uint32_t asked = 0, within = 0;
-    in.each_piece(outline, [&](std::uint32_t n, const BoundaryPiece& piece) {
-        if (n % stride != 0) return;
-        ++asked;
-        within += others.contains(other, piece.a);
-    });
-    return within == 0 ? Share::none : within < asked ? Share::some : Share::all;
-}
-
 // Whether an outline besides `own` has a share in the ring between two.
 bool has_third(const Outlines& outlines, std::uint32_t own, const Outlines& in_inner, const Outline& inner,
                const Outlines& in_outer, const Outline& outer) {

@@ -60,6 +60,24 @@ class Outlines {
     std::vector<Outline> outlines_;
 };
 
+enum class Share { none, some, all };
+
+// So many points of an outline, evenly spread, say whether it lies within another one. [points; >= 8; B]
+inline constexpr std::uint32_t points_asked = 32;
+
+// How much of an outline lies within another, by some of its points.
+inline Share share_within(const Outlines& in, const Outline& outline, const Outlines& others,
+                          const Outline& other) {
+    const std::uint32_t stride = outline.count / points_asked + 1;
+    std::uint32_t asked = 0, within = 0;
+    in.each_piece(outline, [&](std::uint32_t n, const BoundaryPiece& piece) {
+        if (n % stride != 0) return;
+        ++asked;
+        within += others.contains(other, piece.a);
+    });
+    return within == 0 ? Share::none : within < asked ? Share::some : Share::all;
+}
+
 // Whether two are of one kind and their boxes have a common point.
 inline bool are_near(const Outline& a, const Outline& b) {
     return (a.area > 0) == (b.area > 0) && a.box.low.x < b.box.high.x && b.box.low.x < a.box.high.x &&

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <memory>
 
-#include "anatomesh/base/instruction_sets.h"
+#include "anatomesh/field/motion/aligned_outlines.h"
 #include "anatomesh/field/motion/boundary_pieces.h"
+#include "anatomesh/field/motion/motion_average.h"
 #include "anatomesh/field/motion/nested_outlines.h"
 
 namespace anatomesh {
@@ -28,136 +29,78 @@ constexpr double nearest_share = 1.1;
 // Matches are averaged within these radii, round by round: from coarse to fine, so that a few wrong ones give
 // way to their neighbourhood. [gaps; > 0, falling; M 2026-11 skull, slices left out]
 constexpr std::array<double, 3> averaging{4.4, 2.8, 1.8};
-// A radius of averaging is four steps of a lattice at most, so it covers no more columns. [columns; 12; D]
-constexpr std::uint32_t most_columns = 12;
+// A piece of an aligned outline moves by no more than this beyond what its map says.
+// [gaps; > 0; M 2026-11 oblique tubes]
+constexpr double aligned_reach = 2;
 
-// Nodes at multiples of `step` that cover a box. `most` bounds their number.
-struct Lattice {
-    Vec2 low;
-    double step = 1;
-    std::uint32_t nx = 0, ny = 0;
-
-    Lattice(const Box2& box, double wanted, double most) {
-        const Vec2 size = box.high - box.low;
-        step = std::max({wanted, std::sqrt(size.x * size.y / most), std::max(size.x, size.y) / most});
-        low = {std::floor(box.low.x / step) * step, std::floor(box.low.y / step) * step};
-        nx = static_cast<std::uint32_t>((box.high.x - low.x) / step) + 2;
-        ny = static_cast<std::uint32_t>((box.high.y - low.y) / step) + 2;
-    }
-    Vec2 node(std::uint32_t i, std::uint32_t j) const { return low + step * Vec2{double(i), double(j)}; }
-    std::size_t count() const { return static_cast<std::size_t>(nx) * ny; }
+// A slice whose pieces are matched: with what is known of its outlines beforehand.
+struct MatchedSlice {
+    const BoundarySide& side;
+    const std::vector<NestedOutline>& nested;
+    const std::vector<OutlineMap>& aligned;  // empty: none is
 };
 
-// The mean of weighted vectors within a radius of every node, and of `at_rest` of no motion.
-class Average {
-  public:
-    Average(const Lattice& lattice, double radius, double at_rest)
-        : lattice_(lattice),
-          radius_(radius),
-          at_rest_(at_rest),
-          moves_x_(lattice.count()),
-          moves_y_(lattice.count()),
-          weights_(lattice.count()) {}
-
-    ANATOMESH_CLONES void add(Vec2 middle, Vec2 move, double weight) {
-        const auto index = [&](double x, double low, std::uint32_t n) {
-            return static_cast<std::uint32_t>(std::clamp((x - low) / lattice_.step, 0.0, n - 1.0));
-        };
-        const std::uint32_t i0 = index(middle.x - radius_, lattice_.low.x, lattice_.nx),
-                            i1 = index(middle.x + radius_, lattice_.low.x, lattice_.nx),
-                            j0 = index(middle.y - radius_, lattice_.low.y, lattice_.ny),
-                            j1 = index(middle.y + radius_, lattice_.low.y, lattice_.ny);
-        const double inverse = 1 / (radius_ * radius_);
-        std::array<double, most_columns> across;  // squared distances of the columns
-        assert(i1 - i0 < most_columns);
-        for (std::uint32_t i = i0; i <= i1; ++i) {
-            const double x = lattice_.node(i, j0).x - middle.x;
-            across[i - i0] = x * x;
-        }
-        for (std::uint32_t j = j0; j <= j1; ++j) {
-            const double y = lattice_.node(i0, j).y - middle.y;
-            const std::size_t row = static_cast<std::size_t>(j) * lattice_.nx + i0;
-            std::array<double, most_columns> parts;
-            for (std::uint32_t i = 0; i <= i1 - i0; ++i) {
-                const double share = std::max(0.0, 1 - (across[i] + y * y) * inverse);
-                parts[i] = weight * share * share;
-            }
-            add_row(&moves_x_[row], parts, i1 - i0 + 1, move.x);
-            add_row(&moves_y_[row], parts, i1 - i0 + 1, move.y);
-            add_row(&weights_[row], parts, i1 - i0 + 1, 1);
-        }
-    }
-
-    // Adds a motion from `start` at the middle of its way; a long one all along its way, so that it is found
-    // there.
-    void add_along(Vec2 start, Vec2 move, double sign, double weight) {
-        const auto halves = static_cast<int>(std::floor(length(move) / radius_));
-        for (int k = -halves; k <= halves; ++k) {
-            const double share = halves == 0 ? 0.5 : 0.5 + 0.5 * k / halves;
-            add(start + share * move, sign * move, weight / (2 * halves + 1));
-        }
-    }
-
-    Vec2 mean(std::uint32_t i, std::uint32_t j) const {
-        const std::size_t n = static_cast<std::size_t>(j) * lattice_.nx + i;
-        return (1 / (weights_[n] + at_rest_)) * Vec2{moves_x_[n], moves_y_[n]};
-    }
-
-    // How much of a mean comes from boundaries: 0 away from them.
-    double moved_share(std::uint32_t i, std::uint32_t j) const {
-        const double weight = weights_[static_cast<std::size_t>(j) * lattice_.nx + i];
-        return weight / (weight + at_rest_);
-    }
-
-    Vec2 at(Vec2 q) const {
-        const double x = (q.x - lattice_.low.x) / lattice_.step, y = (q.y - lattice_.low.y) / lattice_.step;
-        if (!(x >= 0 && y >= 0 && x < lattice_.nx - 1.0 && y < lattice_.ny - 1.0)) return {};
-        const auto i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
-        const double u = x - i, v = y - j;
-        return (1 - v) * ((1 - u) * mean(i, j) + u * mean(i + 1, j)) +
-               v * ((1 - u) * mean(i, j + 1) + u * mean(i + 1, j + 1));
-    }
-
-    const Lattice& lattice() const { return lattice_; }
-
-  private:
-    static void add_row(double* sums, const std::array<double, most_columns>& parts, std::uint32_t count,
-                        double factor) {
-        for (std::uint32_t i = 0; i < count; ++i) sums[i] += parts[i] * factor;
-    }
-    Lattice lattice_;
-    double radius_, at_rest_;
-    std::vector<double> moves_x_, moves_y_, weights_;  // sums of weighted moves, and of the weights; by node
-};
-
-// Adds the matches of the pieces of `from` in `to`. `sign`: 1 if `to` is the slice above, -1 if it is the one
+// Adds the matches of the pieces of `slice` in `to`. `sign`: 1 if `to` is the slice above, -1 if it is the one
 // below. `before`: the motion of the round before.
-void add_matches(const BoundarySide& from, const BoundarySide& to, const std::vector<NestedOutline>& nested,
-                 double sign, double gap, const Average* before, Average& average) {
+void add_matches(const MatchedSlice& slice, const BoundarySide& to, double sign, double gap,
+                 const MotionAverage* before, MotionAverage& average) {
+    const BoundarySide& from = slice.side;
     for (std::uint32_t p = 0; p < from.boundary.pieces.size(); ++p) {
         const BoundaryPiece& piece = from.boundary.pieces[p];
         if (piece.facing == Vec2{}) continue;
         const Vec2 start = piece.middle();
+        const std::uint32_t own = from.boundary.outline[p];
+        std::uint32_t other = slice.nested[own].other;
+        double reach = slice.nested[own].reach;
+        const bool is_aligned = !slice.aligned.empty() && slice.aligned[own].other != no_piece;
         Vec2 expected;
+        if (is_aligned) {
+            expected = slice.aligned[own](start) - start;
+            other = slice.aligned[own].other;
+            reach = length(expected) + aligned_reach * gap;
+        }
         if (before != nullptr) {
             const Vec2 middle = start + (0.5 * sign) * before->at(start);
             expected = sign * before->at(middle);
         }
-        const NestedOutline& nest = nested[from.boundary.outline[p]];
-        PieceIndex::Match there = to.index.nearest(start, piece.facing, start + expected);
-        if (there.piece == no_piece && nest.other != no_piece)
-            there = to.index.nearest(start, piece.facing, start + expected, nest.reach, nest.other);
+        // An aligned outline corresponds to one alone, however near others are.
+        const auto nearest = [&](const PieceIndex& index, Vec2 at, Vec2 target, std::uint32_t outline) {
+            PieceIndex::Match match;
+            if (!is_aligned) match = index.nearest(at, piece.facing, target);
+            if (match.piece == no_piece && outline != no_piece)
+                match = index.nearest(at, piece.facing, target, reach, outline);
+            return match;
+        };
+        const PieceIndex::Match there = nearest(to.index, start, start + expected, other);
         if (there.piece == no_piece) continue;
-        const Vec2 expected_back = there.point - expected;
-        PieceIndex::Match back = from.index.nearest(there.point, piece.facing, expected_back);
-        if (back.piece == no_piece && nest.other == to.boundary.outline[there.piece])
-            back = from.index.nearest(there.point, piece.facing, expected_back, nest.reach,
-                                      from.boundary.outline[p]);
+        const bool is_other = other == to.boundary.outline[there.piece];
+        const PieceIndex::Match back =
+            nearest(from.index, there.point, there.point - expected, is_other ? own : no_piece);
         if (back.piece == no_piece) continue;
         const double off = length(back.point - start) / (return_tolerance * gap);
         const Vec2 move = there.point - start;
         average.add_along(start, move, sign, piece.length / (1 + off * off));
     }
+}
+
+// The motion after all rounds. `box`: that of both regions.
+std::unique_ptr<MotionAverage> averaged_matches(const MatchedSlice& below, const MatchedSlice& above,
+                                                const Box2& box, double gap) {
+    const double most =
+        16.0 * static_cast<double>(below.side.boundary.pieces.size() + above.side.boundary.pieces.size()) +
+        4096;
+    std::unique_ptr<MotionAverage> average;
+    for (std::size_t round = 0; round < averaging.size(); ++round) {
+        const double radius = averaging[round] * gap;
+        const bool is_last = round + 1 == averaging.size();
+        const MotionLattice lattice(box.grown(averaging.back() * gap),
+                                    (is_last ? lattice_step : averaging[round] / 4) * gap, most);
+        auto next = std::make_unique<MotionAverage>(lattice, std::max(radius, 2 * lattice.step), rest * gap);
+        add_matches(below, above.side, 1, gap, average.get(), *next);
+        add_matches(above, below.side, -1, gap, average.get(), *next);
+        average = std::move(next);
+    }
+    return average;
 }
 
 // Whether the regions have a common point: then one of them contains a boundary point of the other.
@@ -181,28 +124,48 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
         box.extend(map->region_box().low);
         box.extend(map->region_box().high);
     }
-    const double most =
-        16.0 * static_cast<double>(below_side.boundary.pieces.size() + above_side.boundary.pieces.size()) +
-        4096;
     const auto [below_nested, above_nested] = nested_outlines(below_side.boundary, above_side.boundary, gap);
-    std::unique_ptr<Average> average;
-    for (std::size_t round = 0; round < averaging.size(); ++round) {
-        const double radius = averaging[round] * gap;
-        const bool is_last = round + 1 == averaging.size();
-        const Lattice lattice(box.grown(averaging.back() * gap),
-                              (is_last ? lattice_step : averaging[round] / 4) * gap, most);
-        auto next = std::make_unique<Average>(lattice, std::max(radius, 2 * lattice.step), rest * gap);
-        add_matches(below_side, above_side, below_nested, 1, gap, average.get(), *next);
-        add_matches(above_side, below_side, above_nested, -1, gap, average.get(), *next);
-        average = std::move(next);
+    const Neighbour lower{below, further_below}, upper{above, further_above};
+    const auto find_paths = [&, &in_below = below_nested,
+                             &in_above = above_nested](const AlignedOutlines& aligned) {
+        set_paths(*averaged_matches({below_side, in_below, aligned.below},
+                                    {above_side, in_above, aligned.above}, box, gap),
+                  lower, upper, gap);
+    };
+    find_paths({});
+    const CarriedSlice carried_up{below_side.boundary, below, amiss(below_side.boundary, above, true)},
+        carried_down{above_side.boundary, above, amiss(above_side.boundary, below, false)};
+    if (const AlignedOutlines aligned = aligned_outlines(carried_up, carried_down, gap); !aligned.empty()) {
+        find_paths(aligned);
+        is_aligned_ = true;
     }
-    const Lattice& lattice = average->lattice();
+    overlaps_ = regions_overlap(below_side, below, above_side, above);
+    ambiguities_ = anatomesh::ambiguities(below_side, below, above_side, above);
+}
+
+std::vector<double> SliceMotion::amiss(const Boundary& boundary, const DistanceMap& other,
+                                       bool upwards) const {
+    std::vector<Vec2> carried;
+    carried.reserve(boundary.pieces.size());
+    for (const BoundaryPiece& piece : boundary.pieces) {
+        const Vec2 move = at(piece.middle(), upwards ? 0 : 1).move;
+        carried.push_back(upwards ? piece.middle() + move : piece.middle() - move);
+    }
+    return amiss_shares(boundary, other, carried);
+}
+
+void SliceMotion::set_paths(const MotionAverage& average, const Neighbour& lower, const Neighbour& upper,
+                            double gap) {
+    const MotionLattice& lattice = average.lattice();
     low_ = lattice.low;
     step_ = lattice.step;
     inverse_step_ = 1 / step_;
     cells_x_ = lattice.nx - 1;
     cells_y_ = lattice.ny - 1;
     nodes_.resize(lattice.count());
+    max_move_ = max_correction_ = 0;
+    const DistanceMap &below = lower.map, &above = upper.map;
+    const Beyond &further_below = lower.further, &further_above = upper.further;
 
     // The change of slope at a slice, by the three slices round it at their distances; in units of this gap.
     const auto ends = [](const Beyond& beyond, Vec2 q, double here) {
@@ -217,8 +180,8 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
     };
     for (std::uint32_t j = 0; j < lattice.ny; ++j) {
         for (std::uint32_t i = 0; i < lattice.nx; ++i) {
-            const Vec2 q = lattice.node(i, j), move = average->mean(i, j);
-            const double fade = average->moved_share(i, j);
+            const Vec2 q = lattice.node(i, j), move = average.mean(i, j);
+            const double fade = average.moved_share(i, j);
             const Vec2 from = q - 0.5 * move, to = q + 0.5 * move;
             const double limit = std::min({gap, below.limit(), above.limit()});
             const double in_below = below.value(from), in_above = above.value(to);
@@ -240,8 +203,6 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
                 std::max(max_correction_, largest_correction({move, curvature_below, curvature_above}));
         }
     }
-    overlaps_ = regions_overlap(below_side, below, above_side, above);
-    ambiguities_ = anatomesh::ambiguities(below_side, below, above_side, above);
 }
 
 }  // namespace anatomesh

@@ -11,6 +11,8 @@
 
 namespace anatomesh {
 
+class MotionAverage;
+
 // A boundary that leans moves sideways from one slice to the next. The motion says by how much: `move` is the
 // vector from where a point of the boundary lies in the slice below to where it lies in the slice above.
 // Pieces of the two boundaries are matched with the nearest piece that faces the same way, so outer walls
@@ -19,6 +21,10 @@ namespace anatomesh {
 // one led (iterated closest points: Besl and McKay, IEEE PAMI 14, 1992; Chui and Rangarajan, Comput. Vis.
 // Image Underst. 89, 2003). A piece whose match does not lead back to it has little say. Where nothing is
 // matched the motion fades to 0.
+//
+// The nearest piece of the same facing is the wrong one where an outline slides along itself: the sides of an
+// oblique tube stay, and between the slices it gets a neck. So outlines that are carried amiss, though one is
+// the other moved, start where the map between the two leads them (aligned_outlines.h).
 //
 // `curvature_below` and `curvature_above` say how the path through the point curves at either end: the change of slope
 // of the distance that the slice beyond adds, as in a cubic through four slices (Catmull and Rom, 1974).
@@ -58,6 +64,8 @@ class SliceMotion {
     static double largest_correction(const Path& path) {
         return 4.0 / 27 * (std::abs(path.curvature_below) + std::abs(path.curvature_above));
     }
+    // Whether outlines moved so far that they had to be aligned first (aligned_outlines.h).
+    bool is_aligned() const { return is_aligned_; }
     bool overlaps() const {
         return overlaps_;
     }  // whether the two regions have a common point, as seen from above
@@ -66,6 +74,14 @@ class SliceMotion {
 
   private:
     using Node = std::array<float, 4>;  // move x and y, bend below and above
+    struct Neighbour {
+        const DistanceMap& map;
+        const Beyond& further;
+    };
+
+    void set_paths(const MotionAverage& average, const Neighbour& lower, const Neighbour& upper, double gap);
+    // amiss_shares() of the outlines of one of the slices in the other.
+    std::vector<double> amiss(const Boundary& boundary, const DistanceMap& other, bool upwards) const;
 
     // The path through q half-way between the slices: bilinear between the nodes of a lattice.
     [[gnu::always_inline]] Path at_middle(Vec2 q) const {
@@ -86,7 +102,7 @@ class SliceMotion {
     Vec2 low_;
     double step_ = 1, inverse_step_ = 1, max_move_ = 0, max_correction_ = 0;
     std::uint32_t cells_x_ = 0, cells_y_ = 0;
-    bool overlaps_ = true;
+    bool overlaps_ = true, is_aligned_ = false;
     std::vector<Ambiguity> ambiguities_;
     std::vector<Node> nodes_;
 };

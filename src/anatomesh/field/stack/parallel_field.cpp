@@ -31,6 +31,11 @@ namespace {
 // A column through a larger correction is integrated in twice as many parts, because its boundary bends
 // within a gap. [gaps; > 0; B]
 constexpr double much_curved = 0.05;
+// Where outlines are aligned, a column is integrated in at least a part for each such stretch that the boundary
+// moves, for it may enter and leave an oblique tube within one. [gaps; > 0; M 2026-11 oblique tubes]
+constexpr double moved_in_a_part = 0.25;
+// In no more parts than this. [parts; a power of two, >= 8; B]
+constexpr std::size_t most_parts = 64;
 
 class ParallelField final : public FieldQueries<ParallelField> {
   public:
@@ -343,8 +348,11 @@ double ParallelField::inside_share(std::uint32_t structure, const StructureStack
         if (pair.below == empty_knot || pair.above == empty_knot)
             return pair.rounded ? rounded_height(std::min(a, b), 0.5 * gap) / gap - by_slices : 0;
         const Vec3 foot = frame_.to_space(q) + pair.below_high * frame_.normal;
-        std::array<double, 9> values{rest_a};
-        const std::size_t parts = correction > much_curved * gap ? 8 : 4;
+        std::array<double, most_parts + 1> values{rest_a};
+        std::size_t parts = correction > much_curved * gap ? 8 : 4;
+        while (pair.motion->is_aligned() && parts < most_parts &&
+               length(path.move) > moved_in_a_part * gap * static_cast<double>(parts))
+            parts *= 2;
         for (std::size_t k = 1; k < parts; ++k) {
             const double z = static_cast<double>(k) * gap / static_cast<double>(parts);
             const Vec3 p = foot + z * frame_.normal;
