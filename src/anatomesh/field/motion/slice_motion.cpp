@@ -103,12 +103,15 @@ std::unique_ptr<MotionAverage> averaged_matches(const MatchedSlice& below, const
     return average;
 }
 
-// Whether the regions have a common point: then one of them contains a boundary point of the other.
+// Whether the regions have a common point: then one of them contains a boundary point of the other. Of two
+// circles of many points, turned against each other, no vertex lies in the other, but middles of edges do.
 bool regions_overlap(const BoundarySide& below, const DistanceMap& below_map, const BoundarySide& above,
                      const DistanceMap& above_map) {
     const auto meets = [](const BoundarySide& side, const DistanceMap& map) {
         return std::any_of(side.boundary.pieces.begin(), side.boundary.pieces.end(),
-                           [&](const BoundaryPiece& piece) { return map.value(piece.a) <= 0; });
+                           [&](const BoundaryPiece& piece) {
+                               return map.value(piece.a) <= 0 || map.value(piece.middle()) <= 0;
+                           });
     };
     return meets(below, above_map) || meets(above, below_map);
 }
