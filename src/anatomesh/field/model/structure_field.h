@@ -49,6 +49,9 @@ struct StructureVolume {
     double by_field = 0;   // integral of the field's cross-sections
     double by_slices = 0;  // plain slice integration, drawn area x half the gaps to both neighbours, same
                            // caps; not a number for planes that are not parallel
+    // Of the difference, what lies between two drawn slices and no taper explains: beyond what areas between
+    // these of a prism and of a cone would have there.
+    double unexplained = 0;
 };
 
 // Immutable after make_structure_field(); all queries are const and thread-safe.

@@ -187,5 +187,45 @@ TEST(ObliqueTubes, keep_their_volume_where_two_pass) {
     EXPECT_EQ(passing, 24);
 }
 
+double unexplained(const ContourSet& set, EndCaps caps) {
+    RunContext context;
+    FieldOptions options;
+    options.caps = caps;
+    const auto field = make_structure_field(set, options, context).value();
+    const StructureVolume volume = field_volumes(*field, 1, {6000, 60000, 1000000}, context).value().front();
+    return volume.unexplained / volume.by_slices;
+}
+
+// So far apart that nothing joins them as they are.
+TEST(ObliqueTubes, what_they_lose_where_sections_lie_apart_is_told_of) {
+    for (const double radius : {1.0, 1.15, 1.3}) {
+        const Tube tube = drawn({radius, 1, 80, 0, 30, 0, 3}, 8);
+        EXPECT_GT(std::abs(unexplained(set_of({tube}), EndCaps::half)), 0.05) << radius;
+    }
+}
+
+// Cones, balls and spindles on few slices, wherever these lie: their volume is not that of their areas.
+TEST(ObliqueTubes, what_tapers_is_explained) {
+    for (const EndCaps caps : {EndCaps::half, EndCaps::flat, EndCaps::rounded}) {
+        for (const double spacing : {3.0, 6.0, 8.0}) {
+            for (const double phase : {0.1, 0.4, 0.7}) {
+                for (const int kind : {0, 1, 2}) {
+                    SetBuilder builder;
+                    for (double z = phase * spacing - 20; z < 20; z += spacing) {
+                        const double share = kind == 0   ? 0.5 - z / 40
+                                             : kind == 1 ? std::sqrt(std::max(0.0, 1 - z * z / 400))
+                                                         : std::pow(1 - std::abs(z) / 20, 2);
+                        if (20 * share < 0.5) continue;
+                        builder.slice(axial(z));
+                        builder.ring(0, circle({0.2 * z, 0}, 20 * share, 60));
+                    }
+                    EXPECT_NEAR(unexplained(builder.set, caps), 0, 0.04)
+                        << kind << " " << spacing << " " << phase;
+                }
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh::oblique_tubes_test

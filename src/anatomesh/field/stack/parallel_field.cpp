@@ -412,6 +412,11 @@ StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Struct
     const double correction = lattice_integral(
         box, points, layer, [&](Vec2 q, double step) { return inside_share(structure, pair, q, step); });
     volume.by_field += gap * correction;
+    if (pair.below != empty_knot && pair.above != empty_knot) {
+        const auto drawn = [&](std::int32_t map) { return maps_[static_cast<std::size_t>(map)]->area(); };
+        const double taper = std::sqrt(drawn(pair.below)) - std::sqrt(drawn(pair.above));
+        volume.unexplained = gap * (correction - std::clamp(correction, -taper * taper / 6, 0.0));
+    }
     return volume;
 }
 
@@ -440,6 +445,7 @@ Result<std::vector<StructureVolume>> ParallelField::volumes(std::uint32_t count,
     for (const Job& job : jobs) {
         totals[job.structure].by_field += job.volume.by_field;
         totals[job.structure].by_slices += job.volume.by_slices;
+        totals[job.structure].unexplained += job.volume.unexplained;
     }
     return totals;
 }

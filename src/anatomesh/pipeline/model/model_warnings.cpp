@@ -324,12 +324,12 @@ void warn_of_constraint_limited_cells(const ModelReport& report, const std::stri
 }
 
 void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,
-                     const std::string& file, RunContext& context) {
+                     bool exclusive, const std::string& file, RunContext& context) {
     for (std::size_t s = 0; s < volumes.size(); ++s) {
         const StructureVolume& volume = volumes[s];
         // False too where there is no slice integration.
-        if (!(std::abs(volume.by_field - volume.by_slices) > widest_volume_share * volume.by_slices))
-            continue;
+        const double off = exclusive ? volume.by_field - volume.by_slices : volume.unexplained;
+        if (!(std::abs(off) > widest_volume_share * volume.by_slices)) continue;
         Place place;
         place.file = file;
         place.structure =
@@ -339,8 +339,11 @@ void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const S
             {"W-PIP-011",
              "the volume of the structure differs from the sum of its drawn areas times the slice thickness",
              place,
-             "kept; check the structure; beside or inside another one, a structure on few slices is a guess "
-             "between them"});
+             exclusive
+                 ? "kept; check the structure; beside or inside another one, a structure on few slices is "
+                   "a guess between them"
+                 : "kept; check the structure between its slices, or draw it on more of them; a thin part "
+                   "that crosses them at a low angle may have necks"});
     }
 }
 

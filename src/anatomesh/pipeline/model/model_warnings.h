@@ -26,9 +26,10 @@ void warn_of_model(const ModelReport& report, double size_mm, const std::string&
 
 // Of the field alone, by structure. Warning: W-PIP-011 what lies between the slices has another volume than
 // drawn areas times the thickness that each slice stands for, by more than 5 %: the field takes something
-// from a structure there, or gives it more than is drawn. Nothing is said where planes are not parallel.
+// from a structure there, or gives it more than is drawn. Not `exclusive`, structures are free to taper and to
+// end as they do, and only what that does not explain counts. Nothing is said where planes are not parallel.
 void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,
-                     const std::string& file, RunContext& context);
+                     bool exclusive, const std::string& file, RunContext& context);
 
 // Of a model, W-PIP-015: structures that overlap by more than a thousandth of the smaller one, and what both
 // have, as volumes of the mesh; the pair that has most is named. Requires: as measure_model(). O(cells)

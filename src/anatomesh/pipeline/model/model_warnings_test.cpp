@@ -121,14 +121,28 @@ TEST(ModelWarnings, a_volume_between_slices_that_is_not_what_is_drawn) {
     const std::vector<StructureVolume> good{{1049, 1000}, {96, 100}, {50, unknown}};
     const std::vector<StructureVolume> bad{{1051, 1000}, {94, 100}, {50, unknown}};
     RunContext context;
-    warn_of_volumes(good, structures, "drawn.json", context);
+    warn_of_volumes(good, structures, true, "drawn.json", context);
     EXPECT_TRUE(context.warnings.empty());
-    warn_of_volumes(bad, structures, "drawn.json", context);
+    warn_of_volumes(bad, structures, true, "drawn.json", context);
     ASSERT_EQ(context.warnings.size(), 2u);
     EXPECT_EQ(context.warnings[0].code, "W-PIP-011");
     EXPECT_EQ(context.warnings[0].place.structure, "organ");
     EXPECT_EQ(context.warnings[1].place.structure, "7");
     EXPECT_EQ(context.warnings[1].place.value, "94 of 100 mm3");
+}
+
+TEST(ModelWarnings, a_structure_alone_may_taper_but_not_have_necks) {
+    const std::vector<Structure> structures{{1, "cone", {1, 2, 3}}, {2, "vessel", {4, 5, 6}}};
+    RunContext context;
+    warn_of_volumes(std::vector<StructureVolume>{{900, 1000, 0}, {900, 1000, -49}}, structures, false,
+                    "drawn.json", context);
+    EXPECT_TRUE(context.warnings.empty());
+    warn_of_volumes(std::vector<StructureVolume>{{900, 1000, 0}, {900, 1000, -51}}, structures, false,
+                    "drawn.json", context);
+    ASSERT_EQ(context.warnings.size(), 1u);
+    EXPECT_EQ(context.warnings[0].code, "W-PIP-011");
+    EXPECT_EQ(context.warnings[0].place.structure, "vessel");
+    EXPECT_EQ(context.warnings[0].place.value, "900 of 1000 mm3");
 }
 
 // Single tetrahedra in a row, each of a region.

@@ -85,8 +85,7 @@ TopologyFindings warn_of_run(const PreparedRun& run, const Model& model,
     const double size_mm = model.report.lengths.size_mm;
     warn_of_model(model.report, size_mm, contours.source, context);
     warn_of_overlaps(model.mesh, model.regions, model.structures, contours.source, context);
-    // Alone, a structure that tapers fast has another volume than its areas tell, and rightly.
-    if (contours.exclusive) warn_of_volumes(run.known.volumes, model.structures, contours.source, context);
+    warn_of_volumes(run.known.volumes, model.structures, contours.exclusive, contours.source, context);
     // The clauses of the contract hold for a plate with holes as well.
     std::vector<std::size_t> same(run.structures);
     std::iota(same.begin(), same.end(), std::size_t{0});
