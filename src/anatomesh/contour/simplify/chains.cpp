@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "anatomesh/contour/simplify/segment_grid.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/geom/predicates.h"
@@ -132,85 +133,6 @@ struct Span {
     bool skips() const { return b - a > 1; }
 };
 
-// Which spans pass through which cell of a uniform grid.
-class SpanGrid {
-  public:
-    template <class PointAt>
-    void build(const std::vector<Span>& spans, PointAt point) {
-        box_ = Box2();
-        for (const Span& span : spans) {
-            box_.extend(point(span.a));
-            box_.extend(point(span.b));
-        }
-        const double width = box_.high.x - box_.low.x, height = box_.high.y - box_.low.y;
-        const double cells = 2.0 * static_cast<double>(spans.size());
-        size_ = std::max({std::sqrt(width / cells * height), width / cells, height / cells,
-                          std::numeric_limits<double>::min()});
-        columns_ = rows_ = 0;
-        columns_ = column(box_.high.x) + 1;
-        rows_ = row(box_.high.y) + 1;
-
-        // The entries are counted, the counts summed, and the places filled.
-        first_.assign(columns_ * rows_ + 1, 0);
-        for (const Span& span : spans) {
-            for_cells(point(span.a), point(span.b), [&](std::size_t cell) { ++first_[cell + 1]; });
-        }
-        for (std::size_t cell = 0; cell < columns_ * rows_; ++cell) first_[cell + 1] += first_[cell];
-        entries_.resize(first_.back());
-        fill_.assign(first_.begin(), first_.end() - 1);
-        for (std::uint32_t i = 0; i < spans.size(); ++i) {
-            for_cells(point(spans[i].a), point(spans[i].b),
-                      [&](std::size_t cell) { entries_[fill_[cell]++] = i; });
-        }
-    }
-
-    // Calls visit(span index) for all spans in the cells that the box touches; some more than once.
-    template <class Visit>
-    void query(const Box2& box, Visit visit) const {
-        const std::size_t x0 = column(box.low.x), x1 = column(box.high.x), y1 = row(box.high.y);
-        for (std::size_t y = row(box.low.y); y <= y1; ++y) {
-            for (std::size_t x = x0; x <= x1; ++x) {
-                const std::size_t cell = y * columns_ + x;
-                for (std::uint32_t k = first_[cell]; k < first_[cell + 1]; ++k) visit(entries_[k]);
-            }
-        }
-    }
-
-  private:
-    static constexpr double most = 1e9;  // The grid has at most so many columns or rows. [cells; > 0; B]
-
-    std::size_t column(double x) const { return index(x - box_.low.x, columns_); }
-    std::size_t row(double y) const { return index(y - box_.low.y, rows_); }
-    std::size_t index(double offset, std::size_t count) const {
-        const double at = std::clamp(offset / size_, 0.0, most);
-        return count == 0 ? static_cast<std::size_t>(at) : std::min(static_cast<std::size_t>(at), count - 1);
-    }
-
-    // The cells that the segment passes, row by row; a cell too many does no harm.
-    template <class Visit>
-    void for_cells(Vec2 p, Vec2 q, Visit visit) const {
-        if (p.y > q.y) std::swap(p, q);
-        const std::size_t y0 = row(p.y), y1 = row(q.y);
-        for (std::size_t y = y0; y <= y1; ++y) {
-            double from = p.x, to = q.x;
-            if (y0 != y1) {
-                const double slope = (q.x - p.x) / (q.y - p.y);
-                const double bottom = box_.low.y + static_cast<double>(y) * size_;
-                if (y != y0) from = p.x + (bottom - p.y) * slope;
-                if (y != y1) to = p.x + (bottom + size_ - p.y) * slope;
-            }
-            const double slack = 1e-6 * size_;
-            const std::size_t x1 = column(std::max(from, to) + slack);
-            for (std::size_t x = column(std::min(from, to) - slack); x <= x1; ++x) visit(y * columns_ + x);
-        }
-    }
-
-    Box2 box_;
-    double size_ = 1;
-    std::size_t columns_ = 0, rows_ = 0;
-    std::vector<std::uint32_t> first_, fill_, entries_;
-};
-
 class Thinner {
   public:
     Thinner(const ChainNetwork& network, const ThinOptions& options)
@@ -256,7 +178,8 @@ class Thinner {
     bool mark_conflicts() {
         marked_.assign(spans_.size(), 0);
         seen_.assign(spans_.size(), std::numeric_limits<std::uint32_t>::max());
-        grid_.build(spans_, [this](std::uint32_t position) { return point(position); });
+        grid_.build(static_cast<std::uint32_t>(spans_.size()),
+                    [this](std::uint32_t s) { return std::pair(point(spans_[s].a), point(spans_[s].b)); });
         any_marked_ = false;
         for (std::uint32_t s = 0; s < spans_.size(); ++s) {
             if (!spans_[s].fresh) continue;
@@ -417,7 +340,7 @@ class Thinner {
     std::vector<Vec2> chain_;
     ShortestPath path_{options_};
     std::vector<Span> spans_;
-    SpanGrid grid_;
+    SegmentGrid grid_;
     std::vector<std::uint32_t> ends_;  // of the parts of a span still to be looked at, the nearest last
     std::vector<std::uint8_t> marked_;
     std::vector<std::uint32_t> seen_;  // per span: the last one it was checked against
