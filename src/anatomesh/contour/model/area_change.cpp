@@ -12,7 +12,9 @@ namespace {
 // Of the drawn area; simplification within a fraction of a pixel stays well below it. [1; 0 to 1; C W-CON-024]
 constexpr double most_change = 0.05;
 
-double signed_area(std::span<const Vec3> polygon, Vec3 normal) {
+}  // namespace
+
+double area_in_plane(std::span<const Vec3> polygon, Vec3 normal) {
     Vec3 sum{};
     for (std::size_t n = 1; n + 1 < polygon.size(); ++n) {
         sum = sum + cross(polygon[n] - polygon[0], polygon[n + 1] - polygon[0]);
@@ -20,12 +22,10 @@ double signed_area(std::span<const Vec3> polygon, Vec3 normal) {
     return dot(sum, normal) / 2;
 }
 
-}  // namespace
-
 AreaChange area_change(std::uint32_t structure, std::span<const Vec3> before, std::span<const Vec3> after,
                        Vec3 normal) {
-    const double area = signed_area(before, normal);
-    return {structure, area, std::abs(signed_area(after, normal) - area)};
+    const double area = area_in_plane(before, normal);
+    return {structure, area, std::abs(area_in_plane(after, normal) - area)};
 }
 
 void warn_of_area_changes(std::span<const AreaChange> changes, const std::vector<Structure>& structures,

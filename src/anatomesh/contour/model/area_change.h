@@ -22,6 +22,9 @@ struct AreaChange {
 AreaChange area_change(std::uint32_t structure, std::span<const Vec3> before, std::span<const Vec3> after,
                        Vec3 normal);
 
+// Returns the area within a polygon in a plane with this normal, positive if counter-clockwise. O(n).
+double area_in_plane(std::span<const Vec3> polygon, Vec3 normal);
+
 // Adds up the changes of each structure and warns (W-CON-024) where they are more than 5 % of its area.
 void warn_of_area_changes(std::span<const AreaChange> changes, const std::vector<Structure>& structures,
                           const std::string& source, RunContext& context);

@@ -12,6 +12,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/model/area_change.h"
 #include "anatomesh/contour/simplify/chains.h"
+#include "anatomesh/contour/trace/restore_areas.h"
 #include "anatomesh/contour/trace/small_pieces.h"
 #include "anatomesh/contour/trace/sparse_structures.h"
 #include "anatomesh/contour/trace/trace_slice.h"
@@ -100,13 +101,19 @@ struct SliceContours {
     struct Outline {
         std::uint32_t structure, first, count;
     };
+    // What a structure has in the slice: as it is labelled, without small pieces, and within its outlines.
+    struct Content {
+        std::uint32_t structure;
+        double labelled_mm2, used_mm2, outlined_mm2;
+    };
     Plane plane;
     std::uint32_t k = 0;
     std::vector<Outline> outlines;
     std::vector<Vec3> points;
     std::vector<AreaChange> changes;
+    std::vector<Content> contents;  // none where outlines follow grey values
     std::uint64_t points_traced = 0, points_kept = 0;
-    double max_distance = 0;
+    double max_distance = 0, max_shift = 0;
     SmallPieces small;
     std::vector<std::uint16_t> cut_by_border;  // labels, sorted
 };
@@ -174,12 +181,58 @@ void put_in_order(SliceContours& slice) {
     });
 }
 
+void note_labelled(const LabelGrid& grid, double pixel_area, SliceContours& slice) {
+    std::vector<std::uint64_t> pixels;
+    for (const std::uint16_t label : grid.labels) {
+        if (label == 0) continue;
+        if (label >= pixels.size()) pixels.resize(label + std::size_t{1}, 0);
+        ++pixels[label];
+    }
+    for (std::uint32_t label = 1; label < pixels.size(); ++label) {
+        if (pixels[label] > 0)
+            slice.contents.push_back({label - 1, static_cast<double>(pixels[label]) * pixel_area, 0, 0});
+    }
+}
+
+// The outlines of the kept points. `placed`: the points of the network in space.
+void add_outlines(const TracedGrid& traced, const std::vector<std::uint8_t>& kept,
+                  const std::vector<Vec3>& placed, const SliceAxes& axes, bool has_grey,
+                  SliceContours& slice) {
+    const bool mirrored = dot(cross(axes.step[0], axes.step[1]), axes.normal) < 0;
+    std::vector<std::uint32_t> ring_points;
+    std::vector<Vec3> whole_ring;
+    for (const TracedRing& ring : traced.rings) {
+        ring_points.clear();
+        append_ring_points(traced, ring, ring_points);
+        if (mirrored) std::reverse(ring_points.begin(), ring_points.end());
+        const auto first = static_cast<std::uint32_t>(slice.points.size());
+        whole_ring.clear();
+        for (const std::uint32_t index : ring_points) {
+            whole_ring.push_back(placed[index]);
+            if (kept[index]) slice.points.push_back(placed[index]);
+        }
+        const auto count = static_cast<std::uint32_t>(slice.points.size()) - first;
+        const std::uint32_t structure = ring.label - 1u;
+        const auto outline = std::span<const Vec3>(slice.points).subspan(first);
+        slice.outlines.push_back({structure, first, count});
+        if (has_grey) {
+            slice.changes.push_back(area_change(structure, whole_ring, outline, slice.plane.normal));
+            continue;
+        }
+        const double of_pixels = static_cast<double>(ring.pixels) * axes.pixel_area();
+        const double outlined = area_in_plane(outline, slice.plane.normal);
+        slice.contents.push_back({structure, 0, of_pixels, outlined});
+        slice.changes.push_back({structure, of_pixels, std::abs(outlined - of_pixels)});
+    }
+}
+
 SliceContours trace_slice(const LabelMap& labels, const GreyImage* grey, const SliceAxes& axes,
                           std::uint32_t k, const Settings& settings) {
     SliceContours slice;
     slice.k = k;
     slice.plane = make_plane(axes.position(labels.geometry, {0, 0}, k), axes.normal);
     LabelGrid grid = label_grid(labels, axes, k);
+    if (!grey) note_labelled(grid, axes.pixel_area(), slice);
     slice.small = leave_out_small_pieces(grid, settings.min_pixels);
     slice.cut_by_border = labels_at_border(grid, image_ends(labels, axes, k));
 
@@ -192,6 +245,7 @@ SliceContours trace_slice(const LabelMap& labels, const GreyImage* grey, const S
 
     // Simplify in the plane's own coordinates of the final points: what holds there holds in the model.
     std::vector<Vec2>& points = traced.network.points;
+    const std::vector<Vec2> in_pixels = points;
     std::vector<Vec3> placed;
     placed.reserve(points.size());
     for (Vec2& point : points) {
@@ -206,24 +260,17 @@ SliceContours trace_slice(const LabelMap& labels, const GreyImage* grey, const S
     slice.points_traced = points.size();
     slice.points_kept = static_cast<std::uint64_t>(std::count(thin.kept.begin(), thin.kept.end(), 1));
 
-    const bool mirrored = dot(cross(axes.step[0], axes.step[1]), axes.normal) < 0;
-    std::vector<std::uint32_t> ring_points;
-    std::vector<Vec3> whole_ring;
-    for (const TracedRing& ring : traced.rings) {
-        ring_points.clear();
-        append_ring_points(traced, ring, ring_points);
-        if (mirrored) std::reverse(ring_points.begin(), ring_points.end());
-        const auto first = static_cast<std::uint32_t>(slice.points.size());
-        whole_ring.clear();
-        for (const std::uint32_t index : ring_points) {
-            whole_ring.push_back(placed[index]);
-            if (thin.kept[index]) slice.points.push_back(placed[index]);
+    if (!grey) {
+        points = in_pixels;
+        restore_areas(traced, thin.kept, settings.epsilon / axes.pixel());
+        for (std::size_t p = 0; p < points.size(); ++p) {
+            if (points[p] == in_pixels[p]) continue;
+            const Vec3 before = placed[p];
+            placed[p] = axes.position(labels.geometry, points[p], k);
+            slice.max_shift = std::max(slice.max_shift, length(placed[p] - before));
         }
-        const auto count = static_cast<std::uint32_t>(slice.points.size()) - first;
-        slice.outlines.push_back({ring.label - 1u, first, count});
-        slice.changes.push_back(area_change(ring.label - 1u, whole_ring,
-                                            std::span(slice.points).subspan(first), slice.plane.normal));
     }
+    add_outlines(traced, thin.kept, placed, axes, grey != nullptr, slice);
     put_in_order(slice);
     return slice;
 }
@@ -264,6 +311,7 @@ void sum_up(const std::vector<SliceContours>& slices, double pixel_area, TraceSt
         stats.points_traced += slice.points_traced;
         stats.points_kept += slice.points_kept;
         stats.max_distance_mm = std::max(stats.max_distance_mm, slice.max_distance);
+        stats.max_shift_mm = std::max(stats.max_shift_mm, slice.max_shift);
         stats.islands_left_out += slice.small.islands;
         stats.holes_filled += slice.small.holes;
         stats.area_left_out_mm2 += static_cast<double>(slice.small.island_pixels) * pixel_area;
@@ -283,6 +331,45 @@ void warn_about_pieces(const TraceStats& stats, const std::string& file, RunCont
                       std::to_string(stats.holes_filled) + " holes are smaller than the minimum area",
                       {file, "", "", "", ""},
                       "they were filled; --min-area 0 keeps them"});
+    }
+}
+
+// Of the volume of a structure's voxels: a larger difference is told. [1; 0 to 1; C W-TRC-009]
+constexpr double told_difference = 0.005;
+
+// Four digits or more, without an exponent from 1000 on.
+std::string volume_text(double mm3) {
+    return (mm3 < 1000 ? significant_text(mm3, 4) : fixed_text(mm3, 0)) + " mm3";
+}
+
+// Warns of structures whose outlines hold another volume than their voxels. `spacing`: of the slices that are used.
+void warn_about_volumes(const std::vector<SliceContours>& slices, double spacing, bool wide_epsilon,
+                        const LabelMap& labels, RunContext& context) {
+    std::vector<SliceContours::Content> sums(labels.structures.size());
+    for (const SliceContours& slice : slices) {
+        for (const SliceContours::Content& of : slice.contents) {
+            SliceContours::Content& sum = sums[of.structure];
+            sum.labelled_mm2 += of.labelled_mm2;
+            sum.used_mm2 += of.used_mm2;
+            sum.outlined_mm2 += of.outlined_mm2;
+        }
+    }
+    for (std::size_t s = 0; s < sums.size(); ++s) {
+        const auto& [structure, labelled, used, outlined] = sums[s];
+        // A structure without an outline is told by W-TRC-004.
+        if (used == 0 || !(std::abs(outlined - labelled) > told_difference * labelled)) continue;
+        const bool by_pieces = std::abs(labelled - used) > std::abs(outlined - used);
+        context.warn(
+            {"W-TRC-009",
+             "the outlines of the structure hold another volume than its voxels",
+             {labels.source, "", name_of(labels.structures[s]), "",
+              volume_text(labelled * spacing) + " in voxels, " + volume_text(outlined * spacing) +
+                  " within the outlines"},
+             by_pieces ? "small islands and holes were given to what surrounds them; --min-area 0 keeps them"
+             : wide_epsilon
+                 ? "the model has the volume of the outlines; a smaller --epsilon keeps them closer "
+                   "to the voxels"
+                 : "the model has the volume of the outlines; smaller voxels leave them more room"});
     }
 }
 
@@ -375,10 +462,13 @@ std::string list_of(const std::vector<Structure>& structures) {
     return structures.size() > most ? list + " ..." : list;
 }
 
+// By default a vertex may be left out within this of the outline, about the error of a traced vertex itself. [pixels; > 0; C]
+constexpr double default_epsilon = 0.15;
+
 Settings settings_of(const TraceOptions& options, const SliceAxes& axes, double threshold) {
     Settings settings;
     settings.min_pixels = options.min_area_mm2 < 0 ? 4 : options.min_area_mm2 / axes.pixel_area();
-    settings.epsilon = options.epsilon_mm < 0 ? 0.15 * axes.pixel() : options.epsilon_mm;
+    settings.epsilon = options.epsilon_mm < 0 ? default_epsilon * axes.pixel() : options.epsilon_mm;
     settings.spacing = axes.pixel() / 3;
     settings.clearance = axes.pixel() / 10;
     settings.threshold = threshold;
@@ -482,6 +572,8 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     if (set.contours.empty()) return no_contours_error(labels, axes, slices.size(), stats);
     warn_about_pieces(stats, labels.source, context);
     warn_about_areas(slices, stats, set, context);
+    warn_about_volumes(slices, set.slice_thickness_mm * options.every,
+                       settings.epsilon > default_epsilon * axes.pixel(), labels, context);
     warn_about_structures(labels, slices, set, context);
     warn_about_missed_pieces(labels, axes, options, settings.min_pixels, set, context);
     warn_about_sparse(labels, axes, sparse, joins, context);

@@ -35,7 +35,8 @@ struct TraceStats {
     std::uint32_t holes_filled = 0;  // pieces of the outside, given to what surrounds them
     double area_filled_mm2 = 0;
     double epsilon_mm = 0;         // the bound used
-    double max_distance_mm = 0;    // measured: of a traced vertex from the kept polygon
+    double max_distance_mm = 0;    // measured: of a traced vertex from the kept polygon, before vertices move
+    double max_shift_mm = 0;       // measured: of a kept vertex, to give outlines the areas of their pixels
     std::uint32_t slice_axis = 2;  // along which voxel axis the slices are counted
 };
 
@@ -60,6 +61,9 @@ struct TraceResult {
 // Before a slice is traced, pieces below the minimum area (islands of a structure and holes alike) are given
 // to the label that surrounds them most, and counted.
 //
+// Without `grey` the kept vertices then move by the least that gives every contour the area of its pixels, half a pixel of
+// which cut corners have lost (restore_areas.h). A pixel centre stays in its structure while epsilon is below 0.35 pixel.
+//
 // `grey` may be null; else it has the label map's geometry, and `threshold` is its iso-value.
 //
 // Guarantees: the invariants of a kept contour set, exclusive = true, complete = true, drawn = false; exclusive
@@ -70,7 +74,7 @@ struct TraceResult {
 // Errors: geometry E-TRC-001 nothing to trace (with the labels that are empty), E-TRC-002 no slice kept; limit
 // E-TRC-003 slice too large. Warnings: W-TRC-001 cut by the image border, W-TRC-002 islands left out, W-TRC-003 holes
 // filled, W-TRC-004 structure without a contour, W-TRC-005 islands left out are over 5 % of the area, W-TRC-006 pieces
-// that no kept slice meets, W-TRC-007 a structure that is painted on some slices alone, W-TRC-008 none is, W-CON-024 simplification changed the area of a structure by more than 5 %.
+// that no kept slice meets, W-TRC-007 a structure that is painted on some slices alone, W-TRC-008 none is, W-TRC-009 outlines whose volume is not that of the voxels, W-CON-024 simplification changed the area of a structure by more than 5 %.
 // Source: Lorensen and Cline, SIGGRAPH 1987, in the plane; many labels as in Hege et al., ZIB SC-97-05, 1997.
 Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey, double threshold,
                                    const TraceOptions& options, RunContext& context);

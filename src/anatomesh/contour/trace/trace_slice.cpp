@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <span>
 #include <utility>
@@ -311,8 +312,8 @@ class Tracer {
     void assemble_rings() {
         std::vector<std::uint8_t> used(2 * sides_.size(), 0);
         for (std::uint32_t start = 0; start < used.size(); ++start) {
-            if (used[start] || label_of(start) == 0) continue;
-            TracedRing ring{label_of(start), static_cast<std::uint32_t>(traced_.links.size()), 0};
+            if (used[start]) continue;
+            TracedRing ring{label_of(start), static_cast<std::uint32_t>(traced_.links.size()), 0, 0};
             std::uint32_t link = start;
             do {
                 assert(!used[link] && label_of(link) == ring.label);
@@ -322,8 +323,30 @@ class Tracer {
                 if (sides_[link / 2].end_junction == none) break;
                 link = following(link);
             } while (link != start);
-            traced_.rings.push_back(ring);
+            ring.pixels = pixels_inside(ring);
+            (ring.label == 0 ? traced_.outside : traced_.rings).push_back(ring);
         }
+    }
+
+    // The area of the polygon of the cells that the ring passes: pixel corners, along the pixels' own edges.
+    std::int64_t pixels_inside(const TracedRing& ring) {
+        ring_points_.clear();
+        append_ring_points(traced_, ring, ring_points_);
+        const auto cell_after = [&](std::size_t i) {
+            // Between two points that follow each other lies the cell that both are on the border of or inside.
+            const Vec2 middle = 0.5 * (traced_.network.points[ring_points_[i]] +
+                                       traced_.network.points[ring_points_[(i + 1) % ring_points_.size()]]);
+            return std::pair(static_cast<std::int64_t>(std::floor(middle.x)),
+                             static_cast<std::int64_t>(std::floor(middle.y)));
+        };
+        std::int64_t twice = 0;
+        auto last = cell_after(ring_points_.size() - 1);
+        for (std::size_t i = 0; i < ring_points_.size(); ++i) {
+            const auto next = cell_after(i);
+            twice += last.first * next.second - next.first * last.second;
+            last = next;
+        }
+        return twice / 2;
     }
 
     // A crossing keeps this share of the way between two pixel centres from each. [1; 0 to 0.5; D a choice, measurement not recorded]
@@ -339,6 +362,7 @@ class Tracer {
     std::vector<Junction> junctions_;
     std::vector<std::uint8_t> visited_;  // per crossing
     std::vector<Sides> sides_;           // per chain
+    std::vector<std::uint32_t> ring_points_;
 };
 
 }  // namespace

@@ -22,11 +22,13 @@ struct GreySlice {
 struct TracedRing {
     std::uint16_t label = 0;
     std::uint32_t first = 0, count = 0;
+    std::int64_t pixels = 0;  // inside it; negative where the label lies outside of it
 };
 
 struct TracedGrid {
-    ChainNetwork network;  // points in pixel coordinates: the centre of pixel (i, j) is (i, j)
-    std::vector<TracedRing> rings;
+    ChainNetwork network;             // points in pixel coordinates: the centre of pixel (i, j) is (i, j)
+    std::vector<TracedRing> rings;    // of the labels
+    std::vector<TracedRing> outside;  // those of label 0
     std::vector<std::uint32_t> links;
 };
 

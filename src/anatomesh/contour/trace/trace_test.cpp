@@ -192,10 +192,11 @@ TEST(Trace, L13_all_ones_is_closed_half_a_pixel_beyond_the_border) {
     ASSERT_TRUE(traced.ok());
     expect_kept_contour_set(traced.value().kept);
     const Box3 box = traced.value().kept.box();
-    EXPECT_EQ(box.low, (Vec3{-0.5, -0.5, 0}));
-    EXPECT_EQ(box.high, (Vec3{4.5, 3.5, 2}));
-    // The four corners are cut.
-    EXPECT_NEAR(region_area(traced.value().kept, 0, 0), 20 - 0.5, 1e-12);
+    // The four corners are cut, and the sides lie a little farther out for it.
+    EXPECT_GT(length(box.low - Vec3{-0.5, -0.5, 0}), 0.0);
+    EXPECT_LT(length(box.low - Vec3{-0.5, -0.5, 0}), 0.05);
+    EXPECT_LT(length(box.high - Vec3{4.5, 3.5, 2}), 0.05);
+    EXPECT_NEAR(region_area(traced.value().kept, 0, 0), 20, 1e-9);
     ASSERT_EQ(context.warnings.size(), 1u);
     EXPECT_EQ(context.warnings[0].code, "W-TRC-001");
 }
@@ -310,7 +311,7 @@ TEST(Trace, L15_checkerboard_pixels_stay_apart) {
     for (std::uint32_t n = 0; n < 72; ++n) ones += map.voxels[n] = (n % 9 + n / 9) % 2;
     const TraceResult traced = trace(map, everything());
     EXPECT_EQ(traced.kept.contours.size(), ones);
-    EXPECT_NEAR(region_area(traced.kept, 0, 0), 0.5 * ones, 1e-12);
+    EXPECT_NEAR(region_area(traced.kept, 0, 0), ones, 1e-9);
 }
 
 TEST(Trace, L15_two_pixels_joined_by_a_corner_stay_apart_and_their_inverse_is_joined) {
@@ -341,7 +342,7 @@ TEST(Trace, L16_small_pieces_are_left_out_and_counted_or_kept_on_demand) {
     std::vector<std::string> codes;
     for (const Warning& warning : context.warnings) codes.push_back(warning.code);
     // Of 26 pixels 4 are islands.
-    EXPECT_EQ(codes, (std::vector<std::string>{"W-TRC-002", "W-TRC-003", "W-TRC-005"}));
+    EXPECT_EQ(codes, (std::vector<std::string>{"W-TRC-002", "W-TRC-003", "W-TRC-005", "W-TRC-009"}));
     EXPECT_EQ(trace(map, everything()).kept.contours.size(), 4u);
 }
 
@@ -366,7 +367,7 @@ TEST(Trace, L17_thinnest_images) {
         std::fill(map.voxels.begin(), map.voxels.end(), std::uint16_t{1});
         const TraceResult traced = trace(map, options);
         EXPECT_EQ(traced.kept.contours.size(), size[2]);
-        EXPECT_NEAR(region_area(traced.kept, 0, 0), double(size[0]) * size[1] - 0.5, 1e-12);
+        EXPECT_NEAR(region_area(traced.kept, 0, 0), double(size[0]) * size[1], 1e-9);
     }
 }
 
@@ -485,12 +486,17 @@ TEST(Trace, neighbours_share_every_vertex_of_their_common_boundary) {
 
 TEST(Trace, every_traced_vertex_is_within_epsilon_of_the_kept_polygon) {
     const LabelMap map = random_partition(40, 40, 3, 99, true);
+    // With grey values, which put every crossing half-way, no vertex moves.
+    GreyImage grey;
+    grey.geometry = map.geometry;
+    for (const std::uint16_t label : map.voxels) grey.voxels.push_back(label > 0 ? 1.0f : -1.0f);
     TraceOptions options;
     options.min_area_mm2 = 0;
     options.epsilon_mm = 0;
-    const TraceResult all = trace(map, options);
+    const TraceResult all = trace(map, options, &grey);
     options.epsilon_mm = 0.25;
-    const TraceResult thin = trace(map, options);
+    const TraceResult thin = trace(map, options, &grey);
+    EXPECT_EQ(thin.stats.max_shift_mm, 0);
     EXPECT_LT(thin.stats.points_kept, all.stats.points_kept);
     ASSERT_EQ(thin.kept.contours.size(), all.kept.contours.size());
     double worst = 0;
