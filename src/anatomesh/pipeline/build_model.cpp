@@ -12,6 +12,9 @@
 
 #include "anatomesh/base/contract.h"
 #include "anatomesh/base/number_text.h"
+#include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/field/make_structure_field.h"
+#include "anatomesh/field/planes/path_field.h"
 #include "anatomesh/measure/certificate/certificate.h"
 #include "anatomesh/pipeline/retry/retry_for_mean_ratio.h"
 #include "anatomesh/pipeline/retry/retry_messages.h"
@@ -55,13 +58,12 @@ struct BestModel {
 // Tries until a model is as good as it can be.
 class RetryDriver {
   public:
-    // `slices`: of the contours relative to the low corner of their box, as the stages see them.
-    RetryDriver(const ContourSet& contours, std::shared_ptr<const SliceFacts> slices,
-                const ModelOptions& options, RunContext& context, const StageObserver& observer)
-        : contours_(contours), context_(context), observer_(observer) {
+    // `known`: of the contours relative to the low corner of their box, as the stages see them.
+    RetryDriver(const ContourSet& contours, FieldAndVolumes known, const ModelOptions& options,
+                RunContext& context, const StageObserver& observer)
+        : contours_(contours), context_(context), observer_(observer), known_(std::move(known)) {
         config_.options = options;
         config_.size_given = options.size_mm > 0;
-        known_.slices = std::move(slices);
     }
 
     Result<Model> run() {
@@ -326,6 +328,57 @@ class RetryDriver {
     bool shown_is_another_ = false;  // the run that was shown last is not the one that is taken
 };
 
+// The contours that the surface follows, and what is known of them: where tubes of one structure meet, those inside
+// another one shape the field and are left out.
+struct FollowedContours {
+    ContourSet contours;
+    FieldAndVolumes known;
+};
+
+FieldOptions field_options(const ModelOptions& options) {
+    FieldOptions field;
+    field.caps = options.caps;
+    field.max_gap_spacings = options.max_gap_spacings;
+    field.single_slice_mm = options.single_slice_mm;
+    return field;
+}
+
+void warn_of_roots(const ContourSet& contours, std::span<const std::uint8_t> inside, RunContext& context) {
+    const auto first = std::find(inside.begin(), inside.end(), 1);
+    const Contour& contour = contours.contours[static_cast<std::size_t>(first - inside.begin())];
+    const Structure& structure = contours.structures[contour.structure];
+    context.warn(
+        {"W-FLD-016",
+         "tubes of the structure meet, and contours of each lie inside the other one there",
+         {contours.source, contours.slices[contour.slice].name,
+          structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
+          std::to_string(std::count(inside.begin(), inside.end(), 1)) + " contours"},
+         "the tubes are united; the surface does not follow these contours, which lie at the branch; the "
+         "first one is named"});
+}
+
+Result<FollowedContours> followed_contours(const ContourSet& contours,
+                                           std::shared_ptr<const SliceFacts> slices,
+                                           const ModelOptions& options, RunContext& context) {
+    FollowedContours followed{contours, {}};
+    followed.known.slices = std::move(slices);
+    const SliceArrangement& arrangement = followed.known.slices->arrangement;
+    if (!arrangement.is_along_paths() || contours.overlapping) return followed;
+    const FieldOptions field = field_options(options);
+    ANATOMESH_TRY(const std::vector<std::uint8_t> inside,
+                  contours_inside_other_paths(relative_to(contours.box().low, contours),
+                                              *followed.known.slices, field, context));
+    if (std::find(inside.begin(), inside.end(), 1) == inside.end()) return followed;
+    followed.contours = without_contours(contours, inside);
+    if (followed.contours.contours.empty()) return FollowedContours{contours, std::move(followed.known)};
+    warn_of_roots(contours, inside, context);
+    const ContourSet all = relative_to(followed.contours.box().low, contours);
+    auto facts = std::make_shared<const SliceFacts>(slice_facts_of(all, options.max_gap_spacings, context));
+    ANATOMESH_TRY(followed.known.field, make_structure_field(all, *facts, field, context));
+    followed.known.slices = std::move(facts);
+    return followed;
+}
+
 }  // namespace
 
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
@@ -334,7 +387,8 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
     const Vec3 origin = contours.points.empty() ? Vec3{} : contours.box().low;
     auto slices = std::make_shared<const SliceFacts>(
         slice_facts_of(relative_to(origin, contours), options.max_gap_spacings, context));
-    if (options.caps == EndCaps::flat && !contours.contours.empty() && !slices->arrangement.is_stack()) {
+    if (options.caps == EndCaps::flat && !contours.contours.empty() && !slices->arrangement.is_stack() &&
+        !slices->arrangement.is_along_paths()) {
         return Error{
             ErrorKind::usage,
             "E-PIP-004",
@@ -342,7 +396,9 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
             {contours.source, "", "", "", ""},
             "give --caps half or rounded"};
     }
-    return RetryDriver(contours, std::move(slices), options, context, observer).run();
+    ANATOMESH_TRY(FollowedContours followed,
+                  followed_contours(contours, std::move(slices), options, context));
+    return RetryDriver(followed.contours, std::move(followed.known), options, context, observer).run();
 }
 
 }  // namespace anatomesh

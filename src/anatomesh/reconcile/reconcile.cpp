@@ -10,6 +10,7 @@
 #include "anatomesh/reconcile/reconcile_finish.h"
 #include "anatomesh/reconcile/reconcile_move.h"
 #include "anatomesh/reconcile/reconcile_prepare.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 
 namespace anatomesh {
 
@@ -59,6 +60,12 @@ void put_in_order(ContourSet& set) {
 Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOptions& options,
                                            RunContext& context) {
     assert(options.max_disagreement_mm > 0 && options.smoothing_mm > 0 && options.margin_mm >= 0);
+    // Slices along paths say nothing of what their planes cross elsewhere, so none contradicts another one.
+    if (arrangement_of(set).is_along_paths()) {
+        ReconcileStats stats;
+        stats.movements.resize(set.slices.size());
+        return ReconcileResult{std::move(set), std::move(stats)};
+    }
     auto [scope, state] = start_of(std::move(set), options, context);
     const bool do_cross = !state.pairs.empty();
     for (std::size_t n = 0; n < steps.size() && do_cross; ++n) {

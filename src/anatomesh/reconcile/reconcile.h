@@ -33,7 +33,8 @@ struct ReconcileResult {
 // Requires: a kept contour set. Guarantees: a kept contour set, by exact predicates. Slices that agree
 // afterwards (difference_after_mm of 0) have the same points on their common line, bit for bit. Where all
 // endpoints agree within rounding no vertex moves, except for those that all but lie at such an endpoint
-// (shared_points.h), and parallel slices come back as they are. No point
+// (shared_points.h), and parallel slices and slices along
+// paths come back as they are. No point
 // comes further than the bound from where it was drawn. The result is the same at any number of threads.
 // What moved and what is left is in the statistics and in warnings W-RCN-001..013.
 //

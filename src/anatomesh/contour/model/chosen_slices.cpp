@@ -1,6 +1,7 @@
 #include "anatomesh/contour/model/chosen_slices.h"
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
 #include "anatomesh/base/text.h"
@@ -57,6 +58,27 @@ ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> s
         part.overlapping = std::make_shared<const OverlappingContours>(std::move(overlapping));
     }
     return part;
+}
+
+ContourSet without_contours(const ContourSet& set, std::span<const std::uint8_t> marked) {
+    assert(marked.size() == set.contours.size() && !set.overlapping);
+    ContourSet rest = set;
+    rest.contours.clear();
+    rest.points.clear();
+    for (Slice& slice : rest.slices) {
+        const std::uint32_t first = slice.first_contour, last = first + slice.contour_count;
+        slice.first_contour = static_cast<std::uint32_t>(rest.contours.size());
+        for (std::uint32_t c = first; c < last; ++c) {
+            if (marked[c]) continue;
+            Contour contour = set.contours[c];
+            const std::span<const Vec3> points = set.points_of(contour);
+            contour.first_point = static_cast<std::uint32_t>(rest.points.size());
+            rest.points.insert(rest.points.end(), points.begin(), points.end());
+            rest.contours.push_back(contour);
+        }
+        slice.contour_count = static_cast<std::uint32_t>(rest.contours.size()) - slice.first_contour;
+    }
+    return rest;
 }
 
 ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset) {

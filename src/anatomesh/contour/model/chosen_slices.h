@@ -15,6 +15,10 @@ namespace anatomesh {
 // also those that are no longer drawn. Complexity: O(points).
 ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> slices);
 
+// Returns the set without the contours marked, at their indices; all slices stay. Requires: nothing overlaps in it.
+// Complexity: O(points).
+ContourSet without_contours(const ContourSet& set, std::span<const std::uint8_t> marked);
+
 // Returns the slices offset, offset + every, ... of a set of parallel slices. Requires: every >= 1. O(points).
 ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset);
 

@@ -295,7 +295,7 @@ Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSe
     std::shared_ptr<const StructureField> field =
         std::make_shared<CrossedField>(std::move(stack), set, parts, slices.coverage, context.threads);
     // What lies between two slices of the stack they tell.
-    warn_about_sparse_planes(set, *field, 0.5 * spacing, context);
+    warn_about_sparse_planes(set, *field, std::vector<double>(set.structures.size(), 0.5 * spacing), context);
     return field;
 }
 

@@ -5,6 +5,7 @@
 
 #include "anatomesh/field/planes/crossed_field.h"
 #include "anatomesh/field/planes/general_field.h"
+#include "anatomesh/field/planes/path_field.h"
 #include "anatomesh/field/planes/rotational_field.h"
 #include "anatomesh/field/stack/stack_field.h"
 #include "anatomesh/field/warnings/displaced_slices.h"
@@ -21,6 +22,7 @@ Result<std::shared_ptr<const StructureField>> make_field_of_slices(const Contour
                   make_stack_field(set, slices.arrangement, options, context));
     if (stack) return stack;
     const SliceArrangement& arrangement = slices.arrangement;
+    if (arrangement.is_along_paths()) return make_path_field(set, slices, options, context);
     if (arrangement.kind == ArrangementKind::about_axis)
         return make_rotational_field(set, slices, options, context);
     warn_about_displaced_slices(set, context);

@@ -136,7 +136,7 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
         field = std::move(fields.front());
     else
         field = std::make_shared<FieldsByCoverage>(std::move(fields), std::move(groups.group_of));
-    warn_about_sparse_planes(set, *field, 0, context);
+    warn_about_sparse_planes(set, *field, std::vector<double>(set.structures.size(), 0), context);
     return field;
 }
 

@@ -111,14 +111,14 @@ double volume_as_thick(const ContourSet& set, std::uint32_t structure) {
 
 }  // namespace
 
-void warn_about_sparse_planes(const ContourSet& set, const StructureField& field, double known_mm,
-                              RunContext& context) {
+void warn_about_sparse_planes(const ContourSet& set, const StructureField& field,
+                              std::span<const double> known_mm, RunContext& context) {
     const std::vector<double> thickness = mean_thicknesses(set);
     for (std::uint32_t s = 0; s < thickness.size(); ++s) {
         if (!(thickness[s] > 0) || context.cancelled()) continue;
         Box3 box;
         const std::vector<PlanePatch> patches = patches_of(set, s, box);
-        const double far = std::max(far_share * thickness[s], known_mm);
+        const double far = std::max(far_share * thickness[s], known_mm[s]);
         const bool are_few = patches.size() <= few_planes && are_at_narrow_angles(patches);
         const Inside inside = count_inside(field, s, patches, box, far, are_few);
         const Structure& structure = set.structures[s];

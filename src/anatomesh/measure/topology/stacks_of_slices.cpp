@@ -74,6 +74,8 @@ void mark_turns(const std::vector<std::uint32_t>& positions, std::size_t slices,
 
 std::vector<StackOfSlices> stacks_of_slices(const ContourSet& contours, const SliceArrangement& arrangement) {
     std::vector<StackOfSlices> stacks;
+    // Parallel slices of two legs of an arch go on into each other far from here.
+    if (arrangement.is_along_paths()) return stacks;
     const auto add = [&](const std::vector<std::uint32_t>& chosen) {
         if (std::optional<StackOfSlices> stack = stack_of(contours, chosen))
             stacks.push_back(std::move(*stack));

@@ -18,7 +18,7 @@ struct StackOfSlices {
 
 // All slices, where they are a sweep; else the stack of a set that has a few planes across it
 // (crossed_field.h); else every family of four slices or more within a degree of one of them, that lie side
-// by side. Nothing of planes about an axis, or in no order at all. `arrangement`:
+// by side. Nothing of planes about an axis, along paths, or in no order at all. `arrangement`:
 // of the contours. Complexity: O(points + slices^2).
 std::vector<StackOfSlices> stacks_of_slices(const ContourSet& contours, const SliceArrangement& arrangement);
 

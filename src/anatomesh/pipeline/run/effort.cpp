@@ -65,7 +65,7 @@ struct EffortRow {
 };
 
 // The first row that applies counts.
-constexpr std::array<EffortRow, 6> rows{{
+constexpr std::array<EffortRow, 7> rows{{
     // All that can be done would take several times as long as the rest.
     {{}, PlaneDensity::crammed, false, false, false},
     // At the poles subsegments are so many and so near to each other that splitting all for each other's
@@ -74,6 +74,7 @@ constexpr std::array<EffortRow, 6> rows{{
     // No contour runs beside one of another slice; what is missing is a few segments.
     {ArrangementKind::parallel, {}, false, false, true},
     {ArrangementKind::sweep, {}, false, false, true},
+    {ArrangementKind::along_paths, {}, false, false, true},
     // A few planes across a stack come near to others only where they cross them: vertices for sections there
     // cost shapes of cells (seven above ratio 4 in a ball) and, where they contradict it, handles.
     {ArrangementKind::stack_and_crossing, {}, true, false, true},

@@ -80,7 +80,10 @@ struct Effort {
 
     bool is_parallel() const { return arrangement == ArrangementKind::parallel; }
     // No two planes cross where something is drawn.
-    bool is_apart() const { return is_parallel() || arrangement == ArrangementKind::sweep; }
+    bool is_apart() const {
+        return is_parallel() || arrangement == ArrangementKind::sweep ||
+               arrangement == ArrangementKind::along_paths;
+    }
     bool is_dense() const { return density != PlaneDensity::sparse; }
     // Planes are dense, and all the same is done that is done anywhere.
     bool is_dense_in_full() const { return is_dense() && density != PlaneDensity::crammed; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -18,6 +19,11 @@ struct PlanePatch {
     Plane plane;
     Box2 box;                  // empty without contours
     double low = 0, high = 0;  // of the contour points along the normal
+
+    std::array<Vec3, 4> corners() const {
+        return {plane.to_space(box.low), plane.to_space({box.high.x, box.low.y}), plane.to_space(box.high),
+                plane.to_space({box.low.x, box.high.y})};
+    }
 
     // From p to the nearest point of the patch grown by `margin` in its plane.
     Vec3 offset_from(Vec3 p, double margin) const {

@@ -1,5 +1,7 @@
 #include "anatomesh/slices/arrangement/slice_arrangement.h"
 
+#include <utility>
+
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 
 namespace anatomesh {
@@ -14,6 +16,11 @@ SliceArrangement arrangement_of(const ContourSet& set, double max_gap) {
     made.sweep = Sweep::of(set);
     if (made.sweep) {
         made.kind = ArrangementKind::sweep;
+        return made;
+    }
+    if (auto paths = paths_of_slices(set)) {
+        made.paths = std::move(*paths);
+        made.kind = ArrangementKind::along_paths;
         return made;
     }
     made.parts = stack_and_crossing(set);

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/slices/arrangement/paths_of_slices.h"
 #include "anatomesh/slices/arrangement/rotation_axis.h"
 #include "anatomesh/slices/arrangement/rotational_sweep.h"
 #include "anatomesh/slices/arrangement/stack_and_crossing.h"
@@ -16,6 +18,7 @@ namespace anatomesh {
 enum class ArrangementKind : std::uint8_t {
     parallel,            // parallel slices, or a single one, or none (parallel_slices.h)
     sweep,               // side by side, neighbours lean a little (sweep.h)
+    along_paths,         // across the paths of tubes (paths_of_slices.h)
     about_axis,          // turned about an axis (rotational_sweep.h)
     stack_and_crossing,  // a stack or sweep, and a few slices across it (stack_and_crossing.h)
     general              // planes in any position
@@ -32,10 +35,13 @@ struct SliceArrangement {
     Axis axis;
     // The chart about the axis where there is one. Some sweeps have one as well: those of a fan.
     std::optional<RotationalSweep> rotation;
+    // The paths that slices follow; empty for all other kinds.
+    std::vector<SlicePath> paths;
     // The stack and the slices across it where there are such. Slices about an axis may have them as well.
     std::optional<StackAndCrossing> parts;
 
     bool is_parallel() const { return kind == ArrangementKind::parallel; }
+    bool is_along_paths() const { return kind == ArrangementKind::along_paths; }
     // Whether the slices lie side by side, so that no two of them cross where something is drawn.
     bool is_stack() const { return is_parallel() || kind == ArrangementKind::sweep; }
 };

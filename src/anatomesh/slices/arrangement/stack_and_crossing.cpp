@@ -24,17 +24,11 @@ constexpr std::size_t least_stack = 4;
 // not make it. [1; >= 1; M 2026-11 cups, hollow cylinders and balls with crossing planes]
 constexpr std::size_t stack_to_crossing = 3;
 
-std::array<Vec3, 4> corners_of(const PlanePatch& patch) {
-    const Box2& box = patch.box;
-    return {patch.plane.to_space(box.low), patch.plane.to_space({box.high.x, box.low.y}),
-            patch.plane.to_space(box.high), patch.plane.to_space({box.low.x, box.high.y})};
-}
-
 // Whether the boxes of two slices' contours cross, or come much nearer at one place than at others.
 bool nearly_cross(const PlanePatch& one, const PlanePatch& other) {
     if (one.box.empty() || other.box.empty()) return false;
     for (const auto& [plane, corners] :
-         {std::pair{one.plane, corners_of(other)}, std::pair{other.plane, corners_of(one)}}) {
+         {std::pair{one.plane, other.corners()}, std::pair{other.plane, one.corners()}}) {
         double sum = 0, least = HUGE_VAL, most = -HUGE_VAL;
         for (const Vec3 p : corners) {
             const double height = plane.signed_distance(p);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "anatomesh/geom/box.h"
+#include "anatomesh/slices/arrangement/mirrored_frame.h"
 
 namespace anatomesh {
 
@@ -135,23 +136,6 @@ double gap_between(const Candidate& below, const Candidate& above) {
     return thin && least >= least_gap * mean ? mean : 0;
 }
 
-// A plane of the sweep mirrored in the one half-way to the next, whose frame that gives.
-Plane mirrored(const Plane& from, const Plane& to) {
-    const Vec3 across = from.normal + to.normal;
-    const double size = squared_length(across);
-    const auto turned = [&](Vec3 v) { return v - (2 * dot(v, across) / size) * across; };
-    const double sum = from.signed_distance(from.origin) + to.signed_distance(from.origin);
-    Plane plane;
-    plane.normal = to.normal;
-    plane.origin = from.origin - (2 * sum / size) * across;
-    // Onto the plane, and at right angles, to the last bit but one.
-    plane.origin = plane.origin - to.signed_distance(plane.origin) * to.normal;
-    const Vec3 u = turned(from.u);
-    plane.u = normalized(u - dot(u, to.normal) * to.normal);
-    plane.v = cross(plane.normal, plane.u);
-    return plane;
-}
-
 }  // namespace
 
 std::optional<Sweep> Sweep::of(const ContourSet& set) {
@@ -177,7 +161,7 @@ std::optional<Sweep> Sweep::of(const ContourSet& set) {
     for (std::size_t i = 0; i < slices.size(); ++i) {
         Plane plane = slices[i].plane;
         if (i > 0) {
-            plane = mirrored(sweep.layers_.back().plane, plane);
+            plane = mirrored_frame(sweep.layers_.back().plane, plane);
             height += gaps[i - 1];
         } else {
             plane.origin = middle - plane.signed_distance(middle) * plane.normal;

@@ -192,10 +192,47 @@ void mark_where_slices_cross(const ContourSet& set, const SliceArrangement& arra
     }
 }
 
+// A slice says what its own path draws, and there by the rules of a stack; of all other structures it says nothing.
+void mark_along_paths(const ContourSet& set, const std::vector<SlicePath>& paths, SliceCoverage& coverage) {
+    std::vector<std::uint8_t> says(set.slices.size() * set.structures.size(), 0);
+    for (const SlicePath& path : paths) {
+        OrderedSlices order;
+        for (std::size_t n = 0; n < path.slices().size(); ++n) {
+            order.slices.push_back(path.slices()[n].slice);
+            order.heights.push_back(path.height(n));
+        }
+        for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
+            CoveringPlaces places;
+            for (std::uint32_t n = 0; n < order.slices.size(); ++n) {
+                const std::vector<std::uint32_t>& contours = path.slices()[n].contours;
+                if (std::any_of(contours.begin(), contours.end(),
+                                [&](std::uint32_t c) { return set.contours[c].structure == s; }))
+                    places.drawn.push_back(n);
+            }
+            if (places.drawn.empty()) continue;
+            places.covering = covering_slices(places.drawn, order.heights);
+            const bool all = !places.has_skipped();
+            for (std::uint32_t n = 0; n < order.slices.size(); ++n) {
+                says[order.slices[n] * set.structures.size() + s] |=
+                    all || std::binary_search(places.covering.begin(), places.covering.end(), n);
+            }
+        }
+    }
+    for (std::uint32_t k = 0; k < set.slices.size(); ++k) {
+        for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
+            if (!says[k * set.structures.size() + s]) coverage.set_absence(k, s, Coverage::unknown);
+        }
+    }
+}
+
 }  // namespace
 
 SliceCoverage coverage_of(const ContourSet& set, const SliceArrangement& arrangement, RunContext& context) {
     SliceCoverage coverage(set);
+    if (arrangement.is_along_paths()) {
+        mark_along_paths(set, arrangement.paths, coverage);
+        return coverage;
+    }
     const Coverage skipped = arrangement.is_stack() ? Coverage::unknown : Coverage::doubtful;
     const std::vector<std::uint8_t> decided = mark_by_level(set, skipped, coverage);
     if (!says_all(set)) mark_skipped(set, arrangement, decided, skipped, coverage);

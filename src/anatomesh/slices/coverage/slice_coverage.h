@@ -59,6 +59,7 @@ class SliceCoverage {
 // - In a set that says all (a label map: says_all()) and is a stack or sweep, the structure is absent.
 // - In any other stack or sweep the slices between a structure's own that covering_slices() does not name are
 //   unknown. Where there are such, the slices beyond its ends are unknown too.
+// - Along paths a slice says by these rules what its own path draws; all other structures are unknown.
 // - Where slices cross, a slice is unknown where those that cross it show the structure on its plane
 //   (undrawn_structures.h), where it runs across a stack (stack_and_crossing.h), and where the structure is
 //   drawn on slices of about its direction on both sides of it, at a spacing of its own (covering_slices.h).

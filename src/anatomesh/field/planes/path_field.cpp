@@ -1,0 +1,279 @@
+#include "anatomesh/field/planes/path_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "anatomesh/field/model/field_queries.h"
+#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/field/warnings/sparse_planes.h"
+#include "anatomesh/field/warnings/thin_structures.h"
+
+namespace anatomesh {
+
+namespace {
+
+// Values reach as far as in a stack of the same spacing. [spacings; > 0; D parallel_field.cpp]
+constexpr double clamp_spacings = 1.5;
+// Gaps are looked up in a grid of so many cells a side at most. [cells; >= 1; B]
+constexpr double most_cells = 64;
+// Contours are held against other paths at points so far apart, at most. [spacings; 0 to 1; C]
+constexpr double contour_step = 0.25;
+// A contour that lies less deep in another path runs along its surface. [spacings; 0 to 0.1; C]
+constexpr double least_depth = 1e-3;
+
+// Which boxes hold a point: a grid whose cells list the boxes that meet them. Immutable.
+class BoxGrid {
+  public:
+    BoxGrid() = default;
+    // Complexity: O(cells that boxes meet).
+    explicit BoxGrid(std::vector<Box3> boxes) : boxes_(std::move(boxes)) {
+        for (const Box3& box : boxes_) {
+            all_.extend(box.low);
+            all_.extend(box.high);
+        }
+        const Vec3 size = all_.high - all_.low;
+        inverse_cell_ = most_cells / std::max({size.x, size.y, size.z, 1e-9});
+        cells_ = {count_of(size.x), count_of(size.y), count_of(size.z)};
+        std::vector<std::vector<std::uint32_t>> lists(std::size_t{cells_[0]} * cells_[1] * cells_[2]);
+        for (std::uint32_t n = 0; n < boxes_.size(); ++n) {
+            const auto low = cell_at(boxes_[n].low), high = cell_at(boxes_[n].high);
+            for (std::uint32_t z = low[2]; z <= high[2]; ++z)
+                for (std::uint32_t y = low[1]; y <= high[1]; ++y)
+                    for (std::uint32_t x = low[0]; x <= high[0]; ++x) lists[index_of({x, y, z})].push_back(n);
+        }
+        begin_.assign(1, 0);
+        for (const auto& list : lists) {
+            listed_.insert(listed_.end(), list.begin(), list.end());
+            begin_.push_back(static_cast<std::uint32_t>(listed_.size()));
+        }
+    }
+
+    const Box3& box(std::uint32_t n) const { return boxes_[n]; }
+
+    // Of the boxes that may hold p, rising.
+    std::span<const std::uint32_t> near(Vec3 p) const {
+        if (!all_.contains(p)) return {};
+        const std::size_t cell = index_of(cell_at(p));
+        return {listed_.data() + begin_[cell], begin_[cell + 1] - begin_[cell]};
+    }
+
+  private:
+    std::uint32_t count_of(double size) const {
+        return static_cast<std::uint32_t>(std::clamp(std::ceil(size * inverse_cell_), 1.0, most_cells));
+    }
+    std::array<std::uint32_t, 3> cell_at(Vec3 p) const {
+        const Vec3 at = inverse_cell_ * (p - all_.low);
+        const auto cell = [](double x, std::uint32_t count) {
+            return static_cast<std::uint32_t>(std::clamp(x, 0.0, static_cast<double>(count - 1)));
+        };
+        return {cell(at.x, cells_[0]), cell(at.y, cells_[1]), cell(at.z, cells_[2])};
+    }
+    std::size_t index_of(const std::array<std::uint32_t, 3>& cell) const {
+        return (std::size_t{cell[2]} * cells_[1] + cell[1]) * cells_[0] + cell[0];
+    }
+
+    std::vector<Box3> boxes_;
+    Box3 all_;
+    double inverse_cell_ = 0;
+    std::array<std::uint32_t, 3> cells_{1, 1, 1};
+    std::vector<std::uint32_t> begin_, listed_;
+};
+
+class PathField final : public FieldQueries<PathField> {
+  public:
+    using Fields = std::vector<std::shared_ptr<const StructureField>>;
+
+    // `in_charts`: of each path.
+    PathField(std::vector<SlicePath> paths, Fields in_charts, const ContourSet& set)
+        : paths_(std::move(paths)), in_charts_(std::move(in_charts)), boxes_(set.structures.size()) {
+        clamp_ = in_charts_.front()->clamp();
+        std::vector<double> spacings;
+        std::vector<Box3> boxes;
+        for (std::uint32_t n = 0; n < paths_.size(); ++n) {
+            const SlicePath& path = paths_[n];
+            spacings.push_back(in_charts_[n]->slice_spacing());
+            const Box3 charted = path.to_chart(set).box(), reached = in_charts_[n]->box();
+            const Vec3 low = charted.low - reached.low, high = reached.high - charted.high;
+            const double reach = std::max({low.x, low.y, low.z, high.x, high.y, high.z, 0.0});
+            Box3 whole;  // of what is not outside
+            for (std::uint32_t gap = 0; gap < path.gap_count(); ++gap) {
+                gaps_.push_back({n, gap});
+                boxes.push_back(path.box_of(gap, reach + clamp_));
+                const Box3 inner = path.box_of(gap, reach);
+                whole.extend(inner.low);
+                whole.extend(inner.high);
+            }
+            box_.extend(whole.low);
+            box_.extend(whole.high);
+            for (const PathSlice& slice : path.slices()) {
+                for (const std::uint32_t c : slice.contours) {
+                    boxes_[set.contours[c].structure].extend(whole.low);
+                    boxes_[set.contours[c].structure].extend(whole.high);
+                }
+            }
+        }
+        grid_ = BoxGrid(std::move(boxes));
+        std::nth_element(spacings.begin(),
+                         spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2), spacings.end());
+        spacing_ = spacings[spacings.size() / 2];
+    }
+
+    double slice_spacing() const override { return spacing_; }
+    Box3 box() const override { return box_; }
+    Box3 box_of(std::uint32_t structure) const override { return boxes_[structure]; }
+    std::vector<Plane> flat_ends() const override {
+        std::vector<Plane> ends;
+        for (std::size_t n = 0; n < paths_.size(); ++n) {
+            for (const Plane& end : in_charts_[n]->flat_ends())
+                ends.push_back(paths_[n].slice_at(end.origin.z));
+        }
+        return ends;
+    }
+
+    // Of all paths but one.
+    double value_beside(std::uint32_t path, std::uint32_t structure, Vec3 p) const {
+        double least = clamp_;
+        each_place(p, [&](const StructureField& field, Vec3 q) {
+            if (&field != in_charts_[path].get()) least = std::min(least, field.value(structure, q));
+        });
+        return least;
+    }
+
+    static constexpr bool sides_cost_less = false;
+    RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
+        double least = clamp_;
+        each_place(p, [&](const StructureField& field, Vec3 q) {
+            least = std::min(least, field.value_within(structure, q, reach));
+        });
+        return {least};
+    }
+    double raw_union(Vec3 p, double /*reach*/) const {
+        double least = clamp_;
+        each_place(
+            p, [&](const StructureField& field, Vec3 q) { least = std::min(least, field.union_value(q)); });
+        return least;
+    }
+    template <class Body>
+    void each_raw(Vec3 p, double /*reach*/, Body body) const {
+        std::vector<Near> near;
+        std::size_t places = 0;
+        each_place(p, [&](const StructureField& field, Vec3 q) {
+            field.values_near(q, near);
+            ++places;
+        });
+        if (places > 1) {
+            std::sort(near.begin(), near.end(), [](const Near& a, const Near& b) {
+                return a.structure != b.structure ? a.structure < b.structure : a.value < b.value;
+            });
+        }
+        for (std::size_t n = 0; n < near.size(); ++n) {
+            if (n > 0 && near[n].structure == near[n - 1].structure) continue;
+            if (near[n].value < clamp_) body(near[n].structure, RawValue{near[n].value});
+        }
+    }
+
+  private:
+    struct Gap {
+        std::uint32_t path, gap;
+    };
+
+    // Calls body(field, chart coordinates) for the gaps that p lies in.
+    template <class Body>
+    void each_place(Vec3 p, Body body) const {
+        for (const std::uint32_t n : grid_.near(p)) {
+            if (!grid_.box(n).contains(p)) continue;
+            const Gap& gap = gaps_[n];
+            if (const std::optional<Vec3> q = paths_[gap.path].to_chart(gap.gap, p))
+                body(*in_charts_[gap.path], *q);
+        }
+    }
+
+    std::vector<SlicePath> paths_;
+    Fields in_charts_;
+    std::vector<Gap> gaps_;  // as in the grid
+    BoxGrid grid_;
+    Box3 box_;
+    std::vector<Box3> boxes_;  // by structure; empty of one that is not drawn
+    double spacing_ = 0;
+};
+
+// The widest usual spacing of the paths.
+double spacing_of(const std::vector<SlicePath>& paths) {
+    double widest = 0;
+    for (const SlicePath& path : paths) {
+        std::vector<double> gaps;
+        for (std::size_t n = 1; n < path.slices().size(); ++n)
+            gaps.push_back(path.height(n) - path.height(n - 1));
+        const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+        std::nth_element(gaps.begin(), middle, gaps.end());
+        widest = std::max(widest, *middle);
+    }
+    return widest;
+}
+
+Result<std::shared_ptr<const PathField>> field_along(const std::vector<SlicePath>& paths,
+                                                     const ContourSet& set, FieldOptions options,
+                                                     RunContext& context) {
+    if (!(options.clamp_mm > 0)) options.clamp_mm = clamp_spacings * spacing_of(paths);
+    PathField::Fields in_charts;
+    for (const SlicePath& path : paths) {
+        ANATOMESH_TRY(std::shared_ptr<const StructureField> in_chart,
+                      make_parallel_field(path.to_chart(set), options, context));
+        in_charts.push_back(std::move(in_chart));
+    }
+    return std::shared_ptr<const PathField>(std::make_shared<PathField>(paths, std::move(in_charts), set));
+}
+
+// Whether a part of a contour of a path lies inside what the others have of its structure.
+bool is_inside_others(const PathField& field, std::uint32_t path, const ContourSet& set,
+                      const Contour& contour) {
+    const std::span<const Vec3> points = set.points_of(contour);
+    const double depth = least_depth * field.slice_spacing(), step = contour_step * field.slice_spacing();
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        const Vec3 from = points[n], way = points[n + 1 < points.size() ? n + 1 : 0] - from;
+        const double parts = std::max(1.0, std::ceil(length(way) / step));
+        for (double k = 0; k < parts; ++k) {
+            if (field.value_beside(path, contour.structure, from + (k / parts) * way) < -depth) return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const StructureField>> make_path_field(const ContourSet& set, const SliceFacts& slices,
+                                                              const FieldOptions& options,
+                                                              RunContext& context) {
+    const std::vector<SlicePath>& paths = slices.arrangement.paths;
+    ANATOMESH_TRY(const std::shared_ptr<const PathField> field, field_along(paths, set, options, context));
+    // What lies between two slices of a path they tell, unless the tube is thinner than half of the way.
+    std::vector<double> known = mean_thicknesses(set);
+    for (double& one : known) one = std::min(one, 0.5 * spacing_of(paths));
+    warn_about_sparse_planes(set, *field, known, context);
+    return std::shared_ptr<const StructureField>(field);
+}
+
+Result<std::vector<std::uint8_t>> contours_inside_other_paths(const ContourSet& set, const SliceFacts& slices,
+                                                              const FieldOptions& options,
+                                                              RunContext& context) {
+    const std::vector<SlicePath>& paths = slices.arrangement.paths;
+    std::vector<std::uint8_t> inside(set.contours.size(), 0);
+    if (paths.size() < 2) return inside;
+    RunContext silent;  // the field itself tells what is amiss
+    silent.threads = context.threads;
+    ANATOMESH_TRY(const std::shared_ptr<const PathField> field, field_along(paths, set, options, silent));
+    for (std::uint32_t n = 0; n < paths.size() && !context.cancelled(); ++n) {
+        for (const PathSlice& slice : paths[n].slices()) {
+            for (const std::uint32_t c : slice.contours)
+                inside[c] = is_inside_others(*field, n, set, set.contours[c]);
+        }
+    }
+    if (context.cancelled()) return cancelled_error();
+    return inside;
+}
+
+}  // namespace anatomesh
