@@ -28,6 +28,9 @@ constexpr double cos_of_branch = 0.985;
 // Where slices of two paths cross they draw less than this in common in the mean: planes of one body agree, while a
 // branch and its parent draw two tubes. [1; 0 to 1; M 2026-11 Y and T of tubes of one radius]
 constexpr double most_agreement = 0.9;
+// Slices that lean by 25 degrees at least, of which this is the cosine, are led by no hand, so that they may agree where
+// they cross: the two legs of a Y do, where they are alike. [1, cosine; 0 to 1; C]
+constexpr double cos_of_legs = 0.906;
 // It stands for no slice. [index; 2^32 - 1; D]
 constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
@@ -385,6 +388,7 @@ struct Meeting {
     std::vector<std::size_t> on_one, on_other;
     double agreement = 0;  // sum of all pairs
     std::size_t pairs = 0;
+    double along = 0;  // the largest cosine of two slices
 };
 
 void sort_and_count_once(std::vector<std::size_t>& places) {
@@ -416,10 +420,12 @@ bool are_paths(const ContourSet& set, const std::vector<Link>& links,
         meeting.on_other.push_back(other.second);
         meeting.agreement += pair.agreement;
         ++meeting.pairs;
+        meeting.along = std::max(meeting.along, std::abs(along));
     }
     return std::all_of(meetings.begin(), meetings.end(), [&](auto& at) {
         Meeting& meeting = at.second;
-        if (meeting.agreement > most_agreement * static_cast<double>(meeting.pairs)) return false;
+        const bool agrees = meeting.agreement > most_agreement * static_cast<double>(meeting.pairs);
+        if (agrees && meeting.along > cos_of_legs) return false;
         const std::size_t one = chains[at.first.first].size(), other = chains[at.first.second].size();
         sort_and_count_once(meeting.on_one);
         sort_and_count_once(meeting.on_other);

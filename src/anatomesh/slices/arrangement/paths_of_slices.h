@@ -20,7 +20,7 @@ namespace anatomesh {
 // - where slices that lean by less than 10 degrees reach through each other, as those that a hand leads do;
 // - where slices of two paths that share a structure do so, unless it is a branch and its root: the places lie in the
 //   half of one path at its end, and on no more than half of the other one's slices; the slices lean by 10 degrees at
-//   least, and do not agree on what they draw there, as those of one body would;
+//   least, and below 25 degrees do not agree on what they draw there, as those of one body would;
 // - where structures exclude each other.
 // In the order of their first slices. Complexity: O(slices^2 + points of slices that cross).
 std::optional<std::vector<SlicePath>> paths_of_slices(const ContourSet& set);

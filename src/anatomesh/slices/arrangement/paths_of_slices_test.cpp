@@ -197,6 +197,26 @@ TEST(PathsOfSlices, branches_may_be_as_thick_as_their_parent) {
     }
 }
 
+// The legs of a Y mirror each other, and their slices agree in the mirror.
+TEST(PathsOfSlices, legs_of_a_fork_that_are_alike_are_paths) {
+    for (const double degrees : {30.0, 60.0, 90.0, 120.0}) {
+        for (const double spacing : {3.0, 6.0, 8.0}) {
+            const double a = 0.5 * degrees * std::numbers::pi / 180;
+            const Tube trunk{straight_path({0, 0, 0}, {0, 0, 60}), [](double) { return 12.0; }, spacing};
+            std::vector<Tube> tubes{trunk};
+            for (const double side : {-1.0, 1.0}) {
+                const Vec3 along{side * std::sin(a), 0, std::cos(a)};
+                tubes.push_back({straight_path({0, 0, 60}, Vec3{0, 0, 60} + 60.0 * along),
+                                 [](double) { return 8.0; }, spacing});
+            }
+            const auto paths = paths_of_slices(drawn(tubes));
+            ASSERT_TRUE(paths) << degrees << " " << spacing;
+            // A trunk whose last slice does not cut a leg goes on into it.
+            EXPECT_GE(paths->size(), 2u) << degrees << " " << spacing;
+        }
+    }
+}
+
 TEST(PathsOfSlices, structures_that_exclude_each_other_have_none) {
     ContourSet set = drawn({{arch_path(30, 50, 25), radius_6, 5}});
     set.structures.push_back({2, "other", {200, 200, 200}});
