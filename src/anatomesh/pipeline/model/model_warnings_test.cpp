@@ -134,15 +134,15 @@ TEST(ModelWarnings, a_volume_between_slices_that_is_not_what_is_drawn) {
 TEST(ModelWarnings, a_structure_alone_may_taper_but_not_have_necks) {
     const std::vector<Structure> structures{{1, "cone", {1, 2, 3}}, {2, "vessel", {4, 5, 6}}};
     RunContext context;
-    warn_of_volumes(std::vector<StructureVolume>{{900, 1000, 0}, {900, 1000, -49}}, structures, false,
+    warn_of_volumes(std::vector<StructureVolume>{{90, 100, 0}, {90, 100, -4.9}}, structures, false,
                     "drawn.json", context);
     EXPECT_TRUE(context.warnings.empty());
-    warn_of_volumes(std::vector<StructureVolume>{{900, 1000, 0}, {900, 1000, -51}}, structures, false,
+    warn_of_volumes(std::vector<StructureVolume>{{90, 100, 0}, {90, 100, -5.1}}, structures, false,
                     "drawn.json", context);
     ASSERT_EQ(context.warnings.size(), 1u);
     EXPECT_EQ(context.warnings[0].code, "W-PIP-011");
     EXPECT_EQ(context.warnings[0].place.structure, "vessel");
-    EXPECT_EQ(context.warnings[0].place.value, "900 of 1000 mm3");
+    EXPECT_EQ(context.warnings[0].place.value, "90 of 100 mm3");
 }
 
 // Single tetrahedra in a row, each of a region.
