@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
+#include "anatomesh/base/number_text.h"
 #include "anatomesh/field/model/field_queries.h"
 #include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/field/warnings/sparse_planes.h"
@@ -22,6 +24,8 @@ constexpr double clamp_spacings = 1.5;
 constexpr double most_cells = 64;
 // Contours are held against other paths at points so far apart, at most. [spacings; 0 to 1; C]
 constexpr double contour_step = 0.25;
+// A path that ends less far before another tube of its structure may be a branch of it. [spacings; > 0.5; C]
+constexpr double most_before_tube = 2;
 // A contour that lies less deep in another path runs along its surface. [spacings; 0 to 0.1; C]
 constexpr double least_depth = 1e-3;
 
@@ -143,6 +147,15 @@ class PathField final : public FieldQueries<PathField> {
         return least;
     }
 
+    // Of one path alone.
+    double value_of(std::uint32_t path, std::uint32_t structure, Vec3 p) const {
+        double least = clamp_;
+        each_place(p, [&](const StructureField& field, Vec3 q) {
+            if (&field == in_charts_[path].get()) least = std::min(least, field.value(structure, q));
+        });
+        return least;
+    }
+
     static constexpr bool sides_cost_less = false;
     RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
         double least = clamp_;
@@ -201,6 +214,26 @@ class PathField final : public FieldQueries<PathField> {
     double spacing_ = 0;
 };
 
+// Where a path ends before another tube of its structure, so near that a slice more would lie in it: how far its end,
+// half a spacing beyond the last slice, is from that tube; nothing elsewhere.
+std::optional<double> gap_before_tube(const PathField& field, const SlicePath& path, std::uint32_t n,
+                                      bool last, const ContourSet& set) {
+    const std::size_t count = path.slices().size();
+    const PathSlice &end = path.slices()[last ? count - 1 : 0], &next = path.slices()[last ? count - 2 : 1];
+    const auto middle = [&](const PathSlice& slice) {
+        const PlanePatch patch = patch_of(set, slice);
+        return patch.plane.to_space(0.5 * (patch.box.low + patch.box.high));
+    };
+    const Vec3 from = middle(end), way = from - middle(next);
+    const double spacing = length(way);
+    const std::uint32_t structure = set.contours[end.contours.front()].structure;
+    for (double along = 0; along <= most_before_tube; along += contour_step / 2) {
+        if (!(field.value_beside(n, structure, from + along * way) < 0)) continue;
+        return along > 0.5 ? std::optional((along - 0.5) * spacing) : std::nullopt;
+    }
+    return std::nullopt;
+}
+
 // The widest usual spacing of the paths.
 double spacing_of(const std::vector<SlicePath>& paths) {
     double widest = 0;
@@ -243,6 +276,45 @@ bool is_inside_others(const PathField& field, std::uint32_t path, const ContourS
     return false;
 }
 
+// Whether contours of a path lie inside other tubes of their structure, or contours of these in it.
+bool meets_others(const PathField& field, const std::vector<SlicePath>& paths, std::uint32_t n,
+                  const ContourSet& set) {
+    const auto is_inside = [&](std::uint32_t path, const Contour& contour) {
+        const std::span<const Vec3> points = set.points_of(contour);
+        return std::any_of(points.begin(), points.end(), [&](const Vec3& p) {
+            return (path == n ? field.value_beside(n, contour.structure, p)
+                              : field.value_of(n, contour.structure, p)) < 0;
+        });
+    };
+    for (std::uint32_t path = 0; path < paths.size(); ++path) {
+        for (const PathSlice& slice : paths[path].slices()) {
+            for (const std::uint32_t c : slice.contours) {
+                if (is_inside(path, set.contours[c])) return true;
+            }
+        }
+    }
+    return false;
+}
+
+void warn_about_branches_apart(const PathField& field, const std::vector<SlicePath>& paths,
+                               const ContourSet& set, RunContext& context) {
+    for (std::uint32_t n = 0; n < paths.size(); ++n) {
+        for (const bool last : {false, true}) {
+            const std::optional<double> gap = gap_before_tube(field, paths[n], n, last, set);
+            if (!gap || meets_others(field, paths, n, set)) continue;
+            const PathSlice& end = last ? paths[n].slices().back() : paths[n].slices().front();
+            const Structure& structure = set.structures[set.contours[end.contours.front()].structure];
+            context.warn(
+                {"W-FLD-017",
+                 "a tube ends shortly before another one of its structure, so that it may be a branch of it",
+                 {set.source, set.slices[end.slice].name,
+                  structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
+                  brief(*gap) + " mm apart"},
+                 "they were not joined; draw the branch up to where it lies in the other tube"});
+        }
+    }
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const StructureField>> make_path_field(const ContourSet& set, const SliceFacts& slices,
@@ -254,6 +326,7 @@ Result<std::shared_ptr<const StructureField>> make_path_field(const ContourSet& 
     std::vector<double> known = mean_thicknesses(set);
     for (double& one : known) one = std::min(one, 0.5 * spacing_of(paths));
     warn_about_sparse_planes(set, *field, known, context);
+    warn_about_branches_apart(*field, paths, set, context);
     return std::shared_ptr<const StructureField>(field);
 }
 

@@ -136,6 +136,8 @@ ImprovementEffort improvement_effort(const Effort& effort) {
     improvement.most_snapped_sizes = most_sizes_beside;
     improvement.closes_handles = true;
     if (effort.reduced) improvement.sections = SectionRepair::none;
+    // Contours are followed, so sections are right. A try at what hardly differs took a minute of the surgery.
+    if (effort.arrangement == ArrangementKind::along_paths) improvement.sections = SectionRepair::none;
     return improvement;
 }
 

