@@ -22,6 +22,7 @@
 #include "anatomesh/pipeline/retry/thin_walls.h"
 #include "anatomesh/pipeline/run/build_once.h"
 #include "anatomesh/pipeline/run/contour_field.h"
+#include "anatomesh/pipeline/run/prepare_run.h"
 
 namespace anatomesh {
 
@@ -334,14 +335,6 @@ struct FollowedContours {
     ContourSet contours;
     FieldAndVolumes known;
 };
-
-FieldOptions field_options(const ModelOptions& options) {
-    FieldOptions field;
-    field.caps = options.caps;
-    field.max_gap_spacings = options.max_gap_spacings;
-    field.single_slice_mm = options.single_slice_mm;
-    return field;
-}
 
 void warn_of_roots(const ContourSet& contours, std::span<const std::uint8_t> inside, RunContext& context) {
     const auto first = std::find(inside.begin(), inside.end(), 1);

@@ -17,6 +17,14 @@ constexpr std::size_t cells_per_point = 6;
 
 }  // namespace
 
+FieldOptions field_options(const ModelOptions& options) {
+    FieldOptions field;
+    field.caps = options.caps;
+    field.max_gap_spacings = options.max_gap_spacings;
+    field.single_slice_mm = options.single_slice_mm;
+    return field;
+}
+
 Result<PreparedRun> prepare_run(const ContourSet& source, const RunConfig& config, FieldAndVolumes known,
                                 RunContext& context) {
     PreparedRun run;
@@ -24,13 +32,9 @@ Result<PreparedRun> prepare_run(const ContourSet& source, const RunConfig& confi
     run.contours = relative_to(run.origin, source);
     run.structures = static_cast<std::uint32_t>(source.structures.size());
     run.known = std::move(known);
-    FieldOptions options;
-    options.caps = config.options.caps;
-    options.max_gap_spacings = config.options.max_gap_spacings;
-    options.single_slice_mm = config.options.single_slice_mm;
     if (!run.known.field) {
-        ANATOMESH_TRY(run.known.field,
-                      make_structure_field(run.contours, *run.known.slices, options, context));
+        ANATOMESH_TRY(run.known.field, make_structure_field(run.contours, *run.known.slices,
+                                                            field_options(config.options), context));
     }
     run.known.warnings = context.warnings.size();
     run.field = run.known.field;

@@ -4,9 +4,13 @@
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/pipeline/run/run_state.h"
 
 namespace anatomesh {
+
+// What a model's options say of its field; the rest is by default.
+FieldOptions field_options(const ModelOptions& options);
 
 // Step "field": moves the contours to the origin, makes their field unless `known` has it, and decides the
 // effort of the run. Requires: a kept contour set, and `known` has the facts of its slices. Errors: those of
