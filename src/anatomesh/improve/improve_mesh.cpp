@@ -96,7 +96,7 @@ class MeshImprovement {
 
     void remove_far_spikes() {
         edit_.stats.surgeries.spikes_removed +=
-            remove_spikes(edit_, edit_.options.spike_mm, listed_sine(), context_.threads).removed;
+            remove_spikes(edit_, edit_.options.least_spike_mm, listed_sine(), context_.threads).removed;
     }
 
     void recover_subsegments_first() { recover_subsegments(listed_sine(), 0); }

@@ -38,7 +38,7 @@ namespace anatomesh {
 //  - All cells are positive by exact orientation. Cells outside serve as room; none gets nearly flat but in the place
 //    of one as flat, or of a constraint-limited one.
 //  - Fixed vertices do not move. They stay on their surfaces, but for those of structures further away than
-//    `spike_mm`. Fixed edges that lie on an interface stay edges of it or become chains on the same line.
+//    `least_spike_mm`. Fixed edges that lie on an interface stay edges of it or become chains on the same line.
 //  - The surfaces of all structures keep their topology, but where a slice shows otherwise (repair_section_patch.h)
 //    and where small handles are removed.
 //  - The result is the same every time, and for any number of threads.

@@ -25,8 +25,10 @@ struct MeshImprovementOptions {
     double last_radius_edge = contract::nearly_bad_radius_edge;
     // Edges of surfaces are flipped where the angles at their facets fall by more, degrees. (0, 900]
     double flip_gain_degrees = 2;
-    // A vertex of a surface further from the field's is a spike, mm (remove_spikes.h). > 0
+    // Repairs leave no vertex of a surface further from the field's, mm, or as near as it was. > 0
     double spike_mm = 1;
+    // A vertex of a surface further from the field's is the apex of a spike or a pit, mm (remove_spikes.h). > 0
+    double least_spike_mm = 0.3;
     int passes = 4;        // over the cells that are still bad. [0, 100]
     int ratio_passes = 4;  // over the cells above max_radius_edge, after those. [0, 100]
     // Handles of surfaces no longer than this are removed where no contour of `drawn.routable` shows them, mm

@@ -241,7 +241,8 @@ bool relabel_cell(EditContext& edit, std::uint32_t cell) {
         if (to == own || (to != 0 && facets_between_regions(edit, cell, to) >= now)) continue;
         if (!keeps_surfaces(edit, cell, own, to) ||
             !keeps_near(edit, std::array{cell}, to, edit.options.max_deviation_mm,
-                        is_at_junction(edit, cell, to) ? edit.options.tolerance_mm : 0))
+                        is_at_junction(edit, cell, to) ? edit.options.tolerance_mm : 0) ||
+            !has_near_vertices(edit, cell, to, edit.options.max_deviation_mm))
             continue;
         edit.mesh.set_region(cell, to);
         edit.changed.assign(1, cell);

@@ -22,6 +22,9 @@ constexpr double flat_enough = 0.93;
 // Places that are tried, as shares of the way from the apex to the base.
 // [1; 0 to 1; M 2026-11 skull, its CSL, fetal brain, pelvis, spine, 61 labels]
 constexpr std::array<double, 7> shares{0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3};
+// A way to the nearest place of the field's surface goes on beyond it, so that one of the shares is near that place.
+// [ways to the surface; 1 to 3; M 2026-11 random cylinders, pelvis, spine]
+constexpr double past_surface = 1.6;
 // Share of the way to the base: there the field is asked what should take the place.
 // [1; 0 to 1; M 2026-11 skull, its CSL, fetal brain, pelvis, spine, 61 labels]
 constexpr double inwards = 0.25;
@@ -209,16 +212,19 @@ class SpikeRemoval {
         return true;
     }
 
-    // On the ways to the middles of the base of the cells that recede, and of the rim.
+    // On the ways to the middles of the base of the cells that recede, and of the rim, and past the nearest place of
+    // the field's surface.
     std::optional<Vec3> place_for(std::uint32_t apex, double most_ratio) {
         const Vec3 from = edit_.mesh.point(apex);
-        const double most_distance = gain * edit_.probe.distance(from), most_far = farthest(from);
         Vec3 rim{};
         for (const auto& edge : rim_)
             rim = rim + (1 / static_cast<double>(rim_.size())) * edit_.mesh.point(edge[0]);
+        const double depth = edit_.probe.distance(from);
+        const double most_distance = gain * depth, most_far = farthest(from);
+        const Vec3 nearest = edit_.probe.project(from, 2 * depth, edit_.options.tolerance_mm).value_or(from);
         double best = HUGE_VAL;
         std::optional<Vec3> to;
-        for (const Vec3 foot : {base_, rim}) {
+        for (const Vec3 foot : {base_, rim, from + past_surface * (nearest - from)}) {
             for (const double share : shares) {
                 const Vec3 q = from + share * (foot - from);
                 const double distance = edit_.probe.distance(q);

@@ -24,7 +24,7 @@ struct SpikeStats {
 // Such an apex - the cells of one region at it cut a disc out of a small sphere round it, and every surface
 // that bounds them there and not the region in which the field is is further off in the field than `spike_mm`
 // - can't be moved down: these cells, which stand on contours, would get flat. Instead they let go of it: a
-// new vertex, near their base, takes its place in them, and each facet of their surface at the apex makes a
+// new vertex, near their base or the field's surface, takes its place in them, and each facet of their surface at the apex makes a
 // cell with the new vertex, in the region that the field is in. That is an isotopy of the surfaces between
 // the two regions; others at the apex stay as they are, and so does the apex on them. Where several regions
 // lie beyond the facets it is done only if the one that grows stays bounded by a disc at each vertex
