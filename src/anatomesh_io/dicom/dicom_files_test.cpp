@@ -12,6 +12,7 @@
 #include <random>
 
 #include "anatomesh_io/dicom/dicom_fixtures.h"
+#include "anatomesh_io/dicom/jpeg2000_stream.h"
 #include "anatomesh_io/dicom/pixels.h"
 #include "anatomesh_io/dicom/read_series.h"
 #include "anatomesh_io/file/comma_locale_fixture.h"
@@ -410,6 +411,81 @@ TEST(DicomFiles, D17_damaged_fragments_are_an_error_or_harmless) {
     EXPECT_GT(refused, 50);
     RecordProperty("refused", refused);
     RecordProperty("read", read);
+}
+
+// Where the fragment of the only frame lies in a file.
+std::pair<std::size_t, std::size_t> fragment_of(const std::string& bytes) {
+    const std::size_t item = bytes.rfind(std::string("\xFE\xFF\x00\xE0", 4));
+    std::uint32_t size = 0;
+    for (std::size_t n = 4; n-- > 0;) size = size << 8 | static_cast<unsigned char>(bytes[item + 4 + n]);
+    return {item + 8, size};
+}
+
+// A block of a file that a disk or a network lost is zero. Decoders go on after it, with other pixels.
+TEST(DicomFiles, D17_lost_blocks_are_an_error) {
+    std::mt19937 random(23);
+    for (const auto& [syntax, name] : lossless) {
+        if (syntax == gdcm::TransferSyntax::JPEGLSLossless || syntax == gdcm::TransferSyntax::RLELossless)
+            continue;  // what they lose is found by their lengths
+        const auto compressed = converted(larger_series(12, false), syntax);
+        const auto [first, size] = fragment_of(compressed[1]);
+        for (int round = 0; round < 50; ++round) {
+            std::string bytes = compressed[1];
+            const std::size_t length = 150 + random() % (size / 3),
+                              from = first + size / 4 + random() % (size / 2 - length / 2);
+            for (std::size_t at = from; at < std::min(from + length, first + size - 12); ++at) bytes[at] = 0;
+            Reading reading;
+            reading.disk.write(name_of_slice(0), compressed[0]);
+            reading.disk.write(name_of_slice(1), bytes);
+            reading.disk.write(name_of_slice(2), compressed[2]);
+            ASSERT_EQ(reading.code(), "E-DCM-021")
+                << name << " " << from - first << " " << length << " of " << size;
+            EXPECT_NE(reading.line().find("file 2"), std::string::npos) << reading.line();
+        }
+    }
+}
+
+// libjpeg goes on with other pixels. It warns where codes and pixels do not end together: of one flipped bit in five here.
+TEST(DicomFiles, D17_what_libjpeg_warns_of_is_an_error) {
+    const auto compressed =
+        converted(larger_series(12, false), gdcm::TransferSyntax::JPEGLosslessProcess14_1);
+    const auto [first, size] = fragment_of(compressed[1]);
+    std::mt19937 random(29);
+    int told = 0;
+    const int rounds = 100;
+    for (int round = 0; round < rounds; ++round) {
+        std::string bytes = compressed[1];
+        bytes[first + size / 4 + random() % (size / 2)] ^= static_cast<char>(1 << random() % 8);
+        Reading reading;
+        reading.disk.write(name_of_slice(0), compressed[0]);
+        reading.disk.write(name_of_slice(1), bytes);
+        reading.disk.write(name_of_slice(2), compressed[2]);
+        told += reading.code() == "E-DCM-021";
+    }
+    EXPECT_GE(told, rounds / 8);
+    RecordProperty("told", told);
+}
+
+TEST(Jpeg2000Stream, lost_stretches_are_found_and_nothing_else) {
+    for (const bool is_signed : {false, true}) {
+        for (const auto& file :
+             converted(larger_series(16, is_signed), gdcm::TransferSyntax::JPEG2000Lossless)) {
+            const auto [first, size] = fragment_of(file);
+            const std::string stream = file.substr(first, size);
+            ASSERT_EQ(zeroed_stretch(stream), std::nullopt);
+            EXPECT_EQ(zeroed_stretch(stream + std::string(500, '\0')), std::nullopt) << "padding";
+            EXPECT_EQ(zeroed_stretch(stream.substr(1)), std::nullopt);
+            for (const std::size_t length : {size_t{200}, size / 3}) {
+                std::string lost = stream;
+                lost.replace(size / 2, length, length, '\0');
+                const auto found = zeroed_stretch(lost);
+                ASSERT_TRUE(found.has_value());
+                EXPECT_GE(*found, length);
+                EXPECT_LE(*found, length + 8);
+            }
+            for (std::size_t end = 0; end < 200; ++end) zeroed_stretch(stream.substr(0, end));
+        }
+    }
 }
 
 TEST(DicomFiles, D22_flipped_bytes_never_crash) {
