@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "anatomesh/base/standard_arithmetic.h"
 #include "command_words.h"
 #include "help_text.h"
 #include "limits.h"
@@ -301,6 +302,7 @@ int run(int argc, const char* const* argv, Session& session) {
 }  // namespace
 
 int run_program(int argc, const char* const* argv) {
+    const StandardArithmetic arithmetic;
     Session session;
     const ProcessState process = prepare_process();
     session.context.cancel = process.cancel;

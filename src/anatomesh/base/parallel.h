@@ -10,7 +10,8 @@ namespace anatomesh {
 
 // Calls body(begin, end) on consecutive pieces that together cover [0, count), at most `threads` at a time. Guarantees:
 // every index is covered once; with threads == 1 the pieces run in order on the calling thread. Piece boundaries depend
-// on `count` and `grain` alone, never on `threads`. Requires: body writes only to places owned by its indices. It is
+// on `count` and `grain` alone, never on `threads`. Each piece has standard arithmetic (standard_arithmetic.h). Where the
+// system allows fewer threads, fewer are used; one does the work where it allows no other. Requires: body writes only to places owned by its indices. It is
 // oneTBB's parallel_for with a fixed partition.
 void parallel_for(std::size_t count, std::size_t grain, int threads,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);

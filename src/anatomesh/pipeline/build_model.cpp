@@ -12,6 +12,7 @@
 
 #include "anatomesh/base/contract.h"
 #include "anatomesh/base/number_text.h"
+#include "anatomesh/base/standard_arithmetic.h"
 #include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/planes/path_field.h"
@@ -376,6 +377,7 @@ Result<FollowedContours> followed_contours(const ContourSet& contours,
 
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
                           const StageObserver& observer) {
+    const StandardArithmetic arithmetic;
     // Once for all runs, of the set that they work on.
     const Vec3 origin = contours.points.empty() ? Vec3{} : contours.box().low;
     auto slices = std::make_shared<const SliceFacts>(

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cfenv>
 #include <random>
 #include <tuple>
 #include <vector>
@@ -40,6 +41,27 @@ TEST(BuildModel, sphere) {
     const Model model = certified_model(drawing);
     expect_structure(model, 0, {1, 0, 4 / 3.0 * pi * 1000, 0.01});
     EXPECT_LT(mean_distance(model, 0, [](Vec3 p) { return length(p - Vec3{1, 2, 3}) - 10; }), 0.12);
+}
+
+// A caller's rounding mode is his own.
+TEST(BuildModel, the_rounding_mode_of_a_caller_changes_no_byte_and_stays) {
+    Drawing drawing;
+    drawing.add_ball(0, {1, 2, 3}, 9, 1.5, 1);
+    drawing.add_ball(1, {9, 2, 3}, 6, 1.5, 1);
+    const ContourSet set = kept(drawing.raw);
+    const auto expected = build(set);
+    ASSERT_TRUE(expected.ok());
+    for (const int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+        for (const int threads : {1, 2}) {
+            std::fesetround(mode);
+            const auto made = build(set, 0, threads);
+            const int after = std::fegetround();
+            std::fesetround(FE_TONEAREST);
+            EXPECT_EQ(after, mode);
+            ASSERT_TRUE(made.ok()) << mode;
+            expect_same_mesh(made.value(), expected.value());
+        }
+    }
 }
 
 TEST(BuildModel, ellipsoid) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "anatomesh/base/plural.h"
+#include "anatomesh/base/standard_arithmetic.h"
 #include "anatomesh/element/quadratic.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/topology/topology_warnings.h"
@@ -66,6 +67,7 @@ void look_at_jacobians(const TetMesh& mesh, const MidNodes& mid_nodes, const std
 
 void check_model(const CertificateInput& model, const CheckModelOptions& options, RunContext& context,
                  ModelReport& report) {
+    const StandardArithmetic arithmetic;
     measure_model(model, context, report);
     report.lengths.size_mm = options.size_mm;
     const double size_mm = report.lengths.size_mm > 0 ? report.lengths.size_mm : report.quality.edge_mm.mean;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "anatomesh/base/number_text.h"
+#include "anatomesh/base/standard_arithmetic.h"
 #include "anatomesh/contour/model/choose_structures.h"
 #include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/contour/model/find_structures.h"
@@ -321,6 +322,7 @@ ReconcileOptions reconcile_options(const PrepareOptions& options) {
 
 Result<PreparedContours> prepare_contours(const RawContours& raw, const PrepareOptions& options,
                                           RunContext& context, const ContoursCheck& check) {
+    const StandardArithmetic arithmetic;
     assert(is_choice_of_slices(options));
     const Stopwatch watch;
     ANATOMESH_TRY(PreparedContours prepared, drawn_contours(raw, options, context));
@@ -330,6 +332,7 @@ Result<PreparedContours> prepare_contours(const RawContours& raw, const PrepareO
 Result<PreparedContours> prepare_contours(std::vector<LabelMap> layers, const GreyImage* grey,
                                           const PrepareOptions& options, RunContext& context,
                                           const ContoursCheck& check) {
+    const StandardArithmetic arithmetic;
     assert(!layers.empty() && is_choice_of_slices(options));
     const Stopwatch watch;
     ANATOMESH_TRY(std::vector<TraceResult> traced, trace_layers(std::move(layers), grey, options, context));
@@ -339,6 +342,7 @@ Result<PreparedContours> prepare_contours(std::vector<LabelMap> layers, const Gr
 
 Result<PreparedContours> prepare_contours(std::vector<TraceResult> layers, const PrepareOptions& options,
                                           RunContext& context, const ContoursCheck& check) {
+    const StandardArithmetic arithmetic;
     assert(!layers.empty());
     const Stopwatch watch;
     ANATOMESH_TRY(PreparedContours prepared, traced_contours(std::move(layers), options));
@@ -347,6 +351,7 @@ Result<PreparedContours> prepare_contours(std::vector<TraceResult> layers, const
 
 Result<PreparedContours> prepare_contours(ContourSet kept, const PrepareOptions& options, RunContext& context,
                                           const ContoursCheck& check) {
+    const StandardArithmetic arithmetic;
     assert(is_choice_of_slices(options));
     const Stopwatch watch;
     ANATOMESH_TRY(

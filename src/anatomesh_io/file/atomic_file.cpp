@@ -16,6 +16,8 @@
 #include <system_error>
 #include <utility>
 
+#include "anatomesh_io/file/uninterrupted.h"
+
 namespace anatomesh {
 
 namespace {
@@ -123,7 +125,7 @@ std::string folder_of(const std::string& path) {
 
 Status check_folder(const std::string& folder, const std::string& path) {
     struct stat status {};
-    if (::stat(folder.c_str(), &status) != 0) {
+    if (uninterrupted([&] { return ::stat(folder.c_str(), &status); }) != 0) {
         const int why = errno;
         if (why == ENOENT || why == ENOTDIR) {
             return file_error("E-FILE-001", "the folder " + folder + " does not exist", path,
@@ -156,7 +158,7 @@ Result<Target> find_target(const std::string& path) {
         if (!failure) target.file = followed.string();
     }
     struct stat status {};
-    if (::stat(target.file.c_str(), &status) == 0) {
+    if (uninterrupted([&] { return ::stat(target.file.c_str(), &status); }) == 0) {
         target.exists = true;
         target.mode = status.st_mode & 0777;
         if (S_ISDIR(status.st_mode)) {

@@ -15,6 +15,8 @@
 #include <system_error>
 #include <utility>
 
+#include "anatomesh_io/file/uninterrupted.h"
+
 namespace anatomesh {
 
 namespace {
@@ -54,7 +56,8 @@ struct OpenedFile {
 Result<OpenedFile> open_regular_file(const std::string& path) {
     if (path.find('\0') != std::string::npos)
         return failure(ErrorKind::file, "E-INP-005", "the path contains a zero byte", path);
-    Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+    Descriptor descriptor(
+        uninterrupted([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY); }));
     if (descriptor.number < 0) {
         const int number = errno;
         if (number == ENOENT || number == ENOTDIR)
@@ -69,7 +72,7 @@ Result<OpenedFile> open_regular_file(const std::string& path) {
                        path);
     }
     struct stat state {};
-    if (::fstat(descriptor.number, &state) != 0)
+    if (uninterrupted([&] { return ::fstat(descriptor.number, &state); }) != 0)
         return failure(ErrorKind::file, "E-INP-005", "the file cannot be opened: " + system_message(errno),
                        path);
     if (S_ISDIR(state.st_mode))
@@ -130,7 +133,8 @@ Result<InputFile> read_input_file(const std::string& path, const InputLimits& li
     ANATOMESH_TRY(const std::size_t done,
                   read_fully(opened.descriptor.number, file.content.data(), size + 1, path));
     struct stat after {};
-    if (done != size || ::fstat(opened.descriptor.number, &after) != 0 || !same_state(opened.state, after))
+    if (done != size || uninterrupted([&] { return ::fstat(opened.descriptor.number, &after); }) != 0 ||
+        !same_state(opened.state, after))
         return failure(ErrorKind::file, "E-INP-007", "the file changed while it was read", path,
                        "wait until the file is complete, then run the command again");
     file.content.set_size(done);

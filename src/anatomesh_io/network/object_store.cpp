@@ -18,6 +18,7 @@
 #include "anatomesh_io/dicom/dicom_writer.h"
 #include "anatomesh_io/dicom/sha256.h"
 #include "anatomesh_io/dicom/tags.h"
+#include "anatomesh_io/file/uninterrupted.h"
 #include "anatomesh_io/network/dcmtk_door.h"
 
 namespace anatomesh {
@@ -156,7 +157,7 @@ Result<ObjectStore> ObjectStore::open(const std::string& folder, const ObjectSto
     if (::access(folder.c_str(), W_OK | X_OK) != 0)
         return store_error("E-NET-001", folder, "the folder cannot be written",
                            "check the permissions of the folder");
-    store.lock_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    store.lock_ = uninterrupted([&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
     if (store.lock_ < 0)
         return store_error("E-NET-001", folder,
                            std::string("the folder cannot be opened: ") + std::strerror(errno),
@@ -308,10 +309,11 @@ StoreOutcome ObjectStore::Incoming::place(ObjectIdentity identity) {
 
 MappedFile::MappedFile(const std::string& path, Links links) {
     const int follow = links == Links::followed ? 0 : O_NOFOLLOW;
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | follow);
+    const int descriptor =
+        uninterrupted([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | follow); });
     if (descriptor < 0) return;
     struct stat state {};
-    if (::fstat(descriptor, &state) == 0 && S_ISREG(state.st_mode)) {
+    if (uninterrupted([&] { return ::fstat(descriptor, &state); }) == 0 && S_ISREG(state.st_mode)) {
         const auto size = static_cast<std::size_t>(state.st_size);
         void* memory = size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0) : nullptr;
         if (memory != MAP_FAILED) {
