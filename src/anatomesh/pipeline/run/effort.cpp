@@ -57,6 +57,10 @@ constexpr double most_rerouted = 0.5;
 // [sizes; 0 to 1; M 2026-11 skull mask]
 constexpr double most_rerouted_parallel = 0.1;
 
+// Where no planes cross, spikes and pits so high or deep are removed. Where planes cross, removing small ones made a section
+// wrong. [sizes; > 0; M 2026-11 30 random cylinders, pelvis, spine, spleen, random solids]
+constexpr double least_spike_apart = 0.1;
+
 // What is done for contours, by arrangement and density; nothing stands for any.
 struct EffortRow {
     std::optional<ArrangementKind> arrangement;
@@ -127,6 +131,7 @@ std::optional<RecoveryEffort> recovery_effort(const Effort& effort, const RunCon
 
 ImprovementEffort improvement_effort(const Effort& effort) {
     ImprovementEffort improvement;
+    if (effort.is_apart()) improvement.least_spike_sizes = least_spike_apart;
     if (effort.is_parallel()) {
         improvement.most_rerouted_sizes = improvement.most_snapped_sizes = most_rerouted_parallel;
         improvement.relabels_for_ratio = true;  // elsewhere pits come of it

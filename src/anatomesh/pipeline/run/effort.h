@@ -32,6 +32,9 @@ enum class SectionRepair : std::uint8_t {
 // The middle of an interface facet lies at most so far from the interface. [sizes; > 0; M 2026-11, set not recorded]
 inline constexpr double surface_deviation = 0.06;
 
+// A surface so high over the field's is a spike. [sizes; > 0; M 2026-11 skull, its CSL, fetal brain, pelvis, spine, 61 labels]
+inline constexpr double spike_height = 0.35;
+
 // Lengths "in sizes" are shares of the edge length aimed at.
 struct RefinementEffort {
     double deviation_sizes = surface_deviation;  // > 0
@@ -51,10 +54,11 @@ struct ImprovementEffort {
     SectionRepair sections = SectionRepair::all;
     // More of the subsegments than this share are not brought onto the surface. 0 to 1
     double most_off_surface = 1;
-    bool relabels_for_ratio = false;  // MeshImprovementOptions::relabels_for_ratio
-    bool closes_handles = false;      // those that no contour shows are looked for
-    double most_rerouted_sizes = 0;   // a contour segment leaves its place by no more, on the surface. >= 0
-    double most_snapped_sizes = 0;    // the same, over edges beside it. >= 0
+    double least_spike_sizes = spike_height;  // MeshImprovementOptions::least_spike_mm. > 0
+    bool relabels_for_ratio = false;          // MeshImprovementOptions::relabels_for_ratio
+    bool closes_handles = false;              // those that no contour shows are looked for
+    double most_rerouted_sizes = 0;  // a contour segment leaves its place by no more, on the surface. >= 0
+    double most_snapped_sizes = 0;   // the same, over edges beside it. >= 0
 };
 
 struct Effort {

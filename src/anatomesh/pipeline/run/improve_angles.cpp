@@ -15,12 +15,6 @@ namespace anatomesh {
 
 namespace {
 
-// Repairs leave no surface so high over the field's.
-// [sizes; > 0; M 2026-11 skull, its CSL, fetal brain, pelvis, spine, 61 labels]
-constexpr double spike_height = 0.35;
-// Spikes and pits so high or deep are removed where the cells in their place are well shaped.
-// [sizes; > 0; M 2026-11 30 random cylinders, pelvis, spine, spleen]
-constexpr double least_spike_height = 0.1;
 // At reduced effort cells with smaller dihedral angles are improved.
 // [degrees; 0 to 40; M 2026-11 dense freehand planes]
 constexpr double reduced_target_degrees = 2.5;
@@ -31,7 +25,7 @@ MeshImprovementOptions improvement_options(const Effort& effort, double max_radi
     options.tolerance_mm = interface_tolerance * size_mm;
     options.max_deviation_mm = surface_deviation * size_mm;
     options.spike_mm = spike_height * size_mm;
-    options.least_spike_mm = least_spike_height * size_mm;
+    options.least_spike_mm = effort.improvement.least_spike_sizes * size_mm;
     options.relabels_for_ratio = effort.improvement.relabels_for_ratio;
     if (effort.improvement.closes_handles) options.handle_mm = spurious_handle_reach * size_mm;
     if (effort.reduced) {
