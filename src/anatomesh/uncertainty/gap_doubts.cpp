@@ -56,18 +56,13 @@ GapDoubts::GapDoubts(const ContourSet& set, const FieldOptions& options)
         const StructureKnots found =
             structure_knots(intervals, drawn, says_all(set), spacing, options,
                             {heights_left_out(stack, s, frame_.origin, frame_.normal), {}, {}});
-        for (const auto& [low, high] : found.open_gaps) {
+        for (const SliceGap& gap : found.open_gaps) {
+            const auto [low, high, a, b] = gap;
             // Empty levels stand a spacing from both sides.
             const auto below =
                 std::find_if(found.knots.begin(), found.knots.end(),
-                             [&, from = low](const SliceKnot& level) { return level.high > from; });
+                             [from = low](const SliceKnot& level) { return level.high > from; });
             const auto above = below + 1;
-            const auto slice_at = [&](double height) {
-                return std::find_if(intervals.begin(), intervals.end(),
-                                    [&](const SliceInterval& i) { return i.high >= height; })
-                    ->slice;
-            };
-            const std::uint32_t a = slice_at(low), b = slice_at(high);
             gaps_.push_back({s, a, b, low, high, low, high, 0.5 * (below->low - low + high - above->low),
                              0.5 * (areas[s][a] + areas[s][b])});
         }

@@ -342,6 +342,7 @@ TEST(StructureField, RS18_one_missing_slice_is_bridged_five_and_twenty_are_not) 
         const double last = 27, next = 3.0 * (10 + missing), middle = 0.5 * (last + next);
         ASSERT_EQ(context.warnings.size(), 1u);
         EXPECT_EQ(context.warnings[0].code, missing == 1 ? "W-FLD-002" : "W-FLD-001");
+        EXPECT_EQ(context.warnings[0].place.slice, "slice 9 and slice 10");
         if (missing == 1) {
             EXPECT_LT(field.value()->value(0, {0, 0, middle}), 0);
             continue;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/field/drawn_tubes_for_test.h"
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/volume.h"
@@ -71,6 +72,30 @@ TEST(PathField, it_is_zero_at_contours_and_the_drawn_region_on_slices) {
             EXPECT_LT(field->value(0, plane.to_space({0.9 * radius, 0})), 0) << name;
             EXPECT_GT(field->value(0, plane.to_space({0, 1.1 * radius})), 0) << name;
         }
+    }
+}
+
+TEST(PathField, a_gap_is_told_by_the_slices_beside_it) {
+    const Tube tube{arch_path(60, 100, 30), [](double) { return 12.0; }, 4};
+    ContourSet set = drawn({tube});
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) set.slices[s].name = "s" + std::to_string(s);
+    for (const std::uint32_t missing : {1u, 4u}) {
+        std::vector<std::uint32_t> some;
+        for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+            if (s < 30 || s >= 30 + missing) some.push_back(s);
+        }
+        ContourSet part = chosen_slices(set, some);
+        part.left_out.clear();
+        RunContext context;
+        ASSERT_TRUE(make_structure_field(part, {}, context).ok());
+        const auto told = std::find_if(
+            context.warnings.begin(), context.warnings.end(),
+            [&](const Warning& w) { return w.code == (missing == 1 ? "W-FLD-002" : "W-FLD-001"); });
+        ASSERT_NE(told, context.warnings.end()) << missing;
+        const std::string first = "s29", last = "s" + std::to_string(30 + missing);
+        EXPECT_TRUE(told->place.slice == first + " and " + last ||
+                    told->place.slice == last + " and " + first)
+            << told->place.slice;
     }
 }
 

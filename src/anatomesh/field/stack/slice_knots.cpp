@@ -358,13 +358,14 @@ class KnotMaker {
     void pass_gap(std::size_t i) {
         const std::size_t g = slices_.place[i - 1];
         const double gap = gaps_[g];
-        const std::pair<double, double> ends{intervals_[slices_.known[g]].high,
-                                             intervals_[slices_.covering[i]].low};
+        const SliceInterval &below_gap = intervals_[slices_.known[g]],
+                            &above_gap = intervals_[slices_.covering[i]];
+        const SliceGap ends{below_gap.high, above_gap.low, below_gap.slice, above_gap.slice};
         if (is_open(g) && slices_.known[g] == slices_.covering[i - 1]) {
             made_.open_gaps.push_back(ends);
             // The two empty knots in the gap do not pass one another.
-            const double below = ends.first + std::min(spacing_at(g, -1), 0.5 * gap);
-            const double above = std::max(ends.second - std::min(spacing_at(g + 1, 1), 0.5 * gap), below);
+            const double below = ends.low + std::min(spacing_at(g, -1), 0.5 * gap);
+            const double above = std::max(ends.high - std::min(spacing_at(g + 1, 1), 0.5 * gap), below);
             close_part({below, below, SliceKnot::no_slice});
             made_.knots.push_back({above, above, SliceKnot::no_slice});
         } else if (gaps_.spacings(g) > hardly_wider || gaps_.spacings_if_even(g) > widest_) {
@@ -407,7 +408,7 @@ std::vector<StructurePart> parts_of(const StructureKnots& knots) {
     };
     for (std::size_t gap = 0; gap < knots.open_gaps.size(); ++gap) {
         std::size_t end = begin + 1;
-        while (all[end].high <= knots.open_gaps[gap].first) ++end;
+        while (all[end].high <= knots.open_gaps[gap].low) ++end;
         add(end);
         begin = end + 1;
     }

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
@@ -23,6 +22,12 @@ struct SliceKnot {
     static constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
 };
 
+// Between two slices that tell of a structure, along the normal; the slices by their index in the set.
+struct SliceGap {
+    double low = 0, high = 0;
+    std::uint32_t below = 0, above = 0;
+};
+
 // The knots of a structure, rising; between two neighbours it is interpolated, before the first and after
 // the last it is empty. Where a gap is not bridged, two empty knots stand in it.
 struct StructureKnots {
@@ -35,8 +40,8 @@ struct StructureKnots {
     };
     std::vector<Extent> flat;
     bool flat_island = false;  // a part of one slice that got half ends although flat ones were asked
-    // Along the normal, for warnings; gaps_by_groups: joined only since slices count in groups.
-    std::vector<std::pair<double, double>> open_gaps, bridged_gaps, gaps_by_groups;
+    // For warnings; gaps_by_groups: joined only since slices count in groups.
+    std::vector<SliceGap> open_gaps, bridged_gaps, gaps_by_groups;
     std::vector<std::uint32_t> not_drawn;  // slices between its first and last on which it is empty
     std::vector<std::uint32_t> unknown;    // those between them that say nothing about it
 };

@@ -280,9 +280,7 @@ TEST(SliceKnots, of_fine_slices_among_coarse_ones_a_gap_of_theirs_is_one) {
             add(fine, 1);
             add(5, 5);
             const StructureKnots knots = knots_of(gaps, {});
-            const auto is_gap = [](const std::pair<double, double>& ends) {
-                return std::abs(ends.second - ends.first - 7) < 1e-9;
-            };
+            const auto is_gap = [](const SliceGap& gap) { return std::abs(gap.high - gap.low - 7) < 1e-9; };
             ASSERT_TRUE(std::any_of(knots.open_gaps.begin(), knots.open_gaps.end(), is_gap)) << fine;
         }
     }
@@ -298,7 +296,7 @@ TEST(SliceKnots, of_uneven_gaps_wide_ones_are_told) {
         const std::vector<double> z = positions_of(gaps);
         const StructureKnots knots = knots_of(gaps, {});
         const auto told = [&](std::size_t i) {
-            const auto is_it = [&](const std::pair<double, double>& ends) { return ends.first == z[i]; };
+            const auto is_it = [&](const SliceGap& one) { return one.low == z[i]; };
             return std::any_of(knots.open_gaps.begin(), knots.open_gaps.end(), is_it) ||
                    std::any_of(knots.bridged_gaps.begin(), knots.bridged_gaps.end(), is_it) ||
                    std::any_of(knots.gaps_by_groups.begin(), knots.gaps_by_groups.end(), is_it);

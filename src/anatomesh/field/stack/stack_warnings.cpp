@@ -29,13 +29,15 @@ std::string slice_text(const ContourSet& set, std::uint32_t slice) {
 void warn_about_knots(const ContourSet& set, std::uint32_t structure, const StructureKnots& knots,
                       RunContext& context) {
     const std::string name = structure_text(set.structures[structure]);
-    const auto warn_gap = [&](const std::pair<double, double>& gap, const char* code, const char* message,
-                              const char* done) {
-        context.warn(
-            {code,
-             message,
-             {set.source, "", name, "", text(gap.first) + " to " + text(gap.second) + " mm along the normal"},
-             done});
+    // By the names of slices: heights along slices that lean or follow a path are those of a chart.
+    const auto ends_of = [&](const SliceGap& gap) {
+        return slice_text(set, gap.below) + " and " + slice_text(set, gap.above);
+    };
+    const auto warn_gap = [&](const SliceGap& gap, const char* code, const char* message, const char* done) {
+        context.warn({code,
+                      message,
+                      {set.source, ends_of(gap), name, "", text(gap.high - gap.low) + " mm apart"},
+                      done});
     };
     for (const auto& gap : knots.open_gaps) {
         warn_gap(gap, "W-FLD-001", "slices are missing inside the structure",
@@ -50,9 +52,9 @@ void warn_about_knots(const ContourSet& set, std::uint32_t structure, const Stru
         context.warn(
             {"W-FLD-009",
              "the slices of the structure come in pairs or groups, with wide gaps between the groups",
-             {set.source, "", name, "",
-              std::to_string(knots.gaps_by_groups.size()) + " gaps, the first from " + text(first.first) +
-                  " to " + text(first.second) + " mm along the normal"},
+             {set.source, ends_of(first), name, "",
+              std::to_string(knots.gaps_by_groups.size()) + " gaps, the first " +
+                  text(first.high - first.low) + " mm wide"},
              "the structure was continued through the gaps; draw separate parts as separate structures"});
     }
     if (set.drawn && !set.complete && !knots.not_drawn.empty()) {
