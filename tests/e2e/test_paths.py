@@ -43,6 +43,14 @@ def straight(start, along):
     return lambda s: (np.asarray(start, float) + s * along, along)
 
 
+def set_by_eye(at, along, radius, random):
+    """As slice_of() on a plane moved by 1 mm and turned by 6 degrees."""
+    along, u, v = frame(along)
+    turn, away = random.uniform(0, 2 * np.pi), random.normal(size=3)
+    across = np.cos(turn) * u + np.sin(turn) * v
+    return slice_of(at + away / np.linalg.norm(away), np.cos(np.radians(6)) * along + np.sin(np.radians(6)) * across, radius)
+
+
 def area(radius, count=40):
     return 0.5 * count * np.sin(2 * np.pi / count) * radius ** 2
 
@@ -59,10 +67,13 @@ def united(tubes, low, high):
 
 
 class Paths(harness.TestCase):
-    def model(self, slices, names=("vessel",)):
+    def built(self, slices, names=("vessel",), options=()):
         self.write("tubes.json", {"format": "anatomesh-contours", "version": 1, "space": "LPS", "unit": "mm",
                                   "structures": [{"number": n, "name": name} for n, name in enumerate(names, 1)], "slices": slices})
-        said = self.run_program("model", "tubes.json", "-o", "tubes.vtu", "--report", "report.json", "--contours", "kept.vtp")
+        return self.run_program("model", "tubes.json", "-o", "tubes.vtu", "--report", "report.json", "--contours", "kept.vtp", *options)
+
+    def model(self, slices, names=("vessel",), options=()):
+        said = self.built(slices, names, options)
         report = json.loads((self.folder / "report.json").read_text())
         self.assertIn("clauses 1, 2, 3, 4, 5, 6 kept", said.out + said.err)
         return report["structures"], said.err
@@ -104,6 +115,16 @@ class Paths(harness.TestCase):
                 structures, _ = self.model(along_path(path, length, 4, 12) + branch, ("aorta", "subclavian"))
                 self.assert_one_part(structures[0], area(12) * length, 0.01)
                 self.assert_one_part(structures[1], area(5) * 40, 0.01)
+
+    def test_planes_set_by_eye_keep_the_volume_and_the_slices_that_cross_are_named(self):
+        path, length = arch(60, 100)
+        for spacing, radius, skips in ((4, 14, True), (8, 12, False)):
+            with self.subTest(spacing=spacing):
+                random, count = np.random.default_rng(3), round(length / spacing)
+                slices = [set_by_eye(*path((n + 0.5) * length / count), radius, random) for n in range(count)]
+                structures, said = self.model(slices)
+                self.assert_one_part(structures[0], area(radius) * length)
+                self.assertEqual("W-FLD-019" in said, skips)
 
     def test_two_slices_of_a_fan_give_what_their_outline_sweeps(self):
         for degrees in (20, 60, 90):

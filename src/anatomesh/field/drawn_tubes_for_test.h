@@ -88,6 +88,33 @@ inline ContourSet drawn(const std::vector<Tube>& tubes, unsigned seed = 1) {
     return builder.set;
 }
 
+inline Vec3 random_direction(std::mt19937& random) {
+    std::normal_distribution<double> normal;
+    return normalized(Vec3{normal(random), normal(random), normal(random)});
+}
+
+// As drawn(), on planes that were set by eye: moved by so much, and turned by so many degrees, each in a direction of
+// its own.
+inline ContourSet drawn_by_eye(const Tube& tube, double moved_mm, double turned_degrees, unsigned seed) {
+    std::mt19937 random(seed);
+    SetBuilder builder;
+    const std::size_t count = slices_of(tube);
+    const double turned = turned_degrees * std::numbers::pi / 180;
+    for (std::size_t n = 0; n < count; ++n) {
+        const double s = (static_cast<double>(n) + 0.5) * tube.path.length / static_cast<double>(count);
+        const PathPoint point = tube.path.at(s);
+        const Vec3 way = random_direction(random);
+        const Vec3 across = normalized(way - dot(way, point.along) * point.along);
+        const bool against = random() % 2 == 0;
+        builder.slice(make_plane(
+            point.at + moved_mm * random_direction(random),
+            (against ? -1.0 : 1.0) * (std::cos(turned) * point.along + std::sin(turned) * across)));
+        builder.ring(tube.structure,
+                     circle({}, tube.radius(s), corners_of_tube, static_cast<double>(random() % 100)));
+    }
+    return builder.set;
+}
+
 // Pappus: where the path runs through the middles of the outlines, bends change nothing.
 inline double volume_of(const Tube& tube) {
     const double factor = 0.5 * corners_of_tube * std::sin(2 * std::numbers::pi / corners_of_tube);
@@ -129,6 +156,27 @@ inline std::vector<NamedTube> families_of_tubes() {
             const auto sac = [=](double s) { return 8 + 12 * std::exp(-(s - middle) * (s - middle) / 225); };
             made.push_back({"aneurysm", {arch_path(60, 100, 30), sac, spacing}});
         }
+    }
+    return made;
+}
+
+// Arches, helices, bends and straight tubes of radius 8 to 15 mm, their slices 4 to 10 mm apart and mostly near to each
+// other.
+inline std::vector<NamedTube> random_tubes(std::size_t count, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    std::vector<NamedTube> made;
+    for (std::size_t n = 0; n < count; ++n) {
+        const double close = unit(random), spacing = 4 + 6 * close * close, radius = 8 + 7 * unit(random);
+        const double a = unit(random), b = unit(random), c = unit(random);
+        NamedTube tube{"arch", {arch_path(20 + 60 * a, 20 + 80 * b, 28 + 12 * c), {}, spacing}};
+        if (n % 4 == 1) tube = {"helix", {helix_path(35 + 10 * a, 45 + 15 * b, 1 + c), {}, spacing}};
+        if (n % 4 == 2)
+            tube = {"bend",
+                    {arch_path(50, 70, 30 + 15 * a, std::numbers::pi * (0.4 + 0.5 * b)), {}, spacing}};
+        if (n % 4 == 3) tube = {"straight", {straight_path({0, 0, 0}, {0, 0, 100 + 60 * a}), {}, spacing}};
+        tube.tube.radius = [radius](double) { return radius; };
+        made.push_back(std::move(tube));
     }
     return made;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -331,7 +332,7 @@ class RetryDriver {
 };
 
 // The contours that the surface follows, and what is known of them: where tubes of one structure meet, those inside
-// another one shape the field and are left out.
+// another one shape the field and are left out, and so are those of slices that their path skips.
 struct FollowedContours {
     ContourSet contours;
     FieldAndVolumes known;
@@ -362,10 +363,12 @@ Result<FollowedContours> followed_contours(const ContourSet& contours,
     ANATOMESH_TRY(const std::vector<std::uint8_t> inside,
                   contours_inside_other_paths(relative_to(contours.box().low, contours),
                                               *followed.known.slices, field, context));
-    if (std::find(inside.begin(), inside.end(), 1) == inside.end()) return followed;
-    followed.contours = without_contours(contours, inside);
+    std::vector<std::uint8_t> not_followed = contours_off_paths(contours, *followed.known.slices);
+    std::transform(inside.begin(), inside.end(), not_followed.begin(), not_followed.begin(), std::bit_or<>());
+    if (std::find(not_followed.begin(), not_followed.end(), 1) == not_followed.end()) return followed;
+    followed.contours = without_contours(contours, not_followed);
     if (followed.contours.contours.empty()) return FollowedContours{contours, std::move(followed.known)};
-    warn_of_roots(contours, inside, context);
+    if (std::find(inside.begin(), inside.end(), 1) != inside.end()) warn_of_roots(contours, inside, context);
     const ContourSet all = relative_to(followed.contours.box().low, contours);
     auto facts = std::make_shared<const SliceFacts>(slice_facts_of(all, options.max_gap_spacings, context));
     ANATOMESH_TRY(followed.known.field, make_structure_field(all, *facts, field, context));

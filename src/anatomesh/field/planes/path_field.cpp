@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "anatomesh/base/number_text.h"
@@ -28,6 +30,8 @@ constexpr double contour_step = 0.25;
 constexpr double most_before_tube = 2;
 // A contour that lies less deep in another path runs along its surface. [spacings; 0 to 0.1; C]
 constexpr double least_depth = 1e-3;
+// A message names no more slices, so that it stays one line. [slices; >= 1; B]
+constexpr std::size_t most_named = 5;
 
 // Which boxes hold a point: a grid whose cells list the boxes that meet them. Immutable.
 class BoxGrid {
@@ -248,14 +252,88 @@ double spacing_of(const std::vector<SlicePath>& paths) {
     return widest;
 }
 
+// By contour of the set, whether it lies on no path.
+std::vector<std::uint8_t> marked_off_paths(const ContourSet& set, const std::vector<SlicePath>& paths) {
+    std::vector<std::uint8_t> off(set.contours.size(), 1);
+    for (const SlicePath& path : paths) {
+        for (const PathSlice& slice : path.slices()) {
+            for (const std::uint32_t c : slice.contours) off[c] = 0;
+        }
+    }
+    return off;
+}
+
+// A contour on no path, and the gap of a path that it lies in: between the slices gap - 1 and gap.
+struct SkippedContour {
+    std::uint32_t contour = 0, path = 0;
+    std::size_t gap = 1;
+};
+
+// Of each contour on no path the gap nearest to its middle, of the paths that draw its structure.
+std::vector<SkippedContour> skipped_contours(const ContourSet& set, const std::vector<SlicePath>& paths) {
+    const std::vector<std::uint8_t> off = marked_off_paths(set, paths);
+    const auto middle_of = [&](const PathSlice& slice) {
+        const PlanePatch patch = patch_of(set, slice);
+        return patch.plane.to_space(0.5 * (patch.box.low + patch.box.high));
+    };
+    std::vector<SkippedContour> skipped;
+    for (std::uint32_t c = 0; c < off.size(); ++c) {
+        if (!off[c]) continue;
+        const Contour& contour = set.contours[c];
+        const Vec3 at = middle_of({contour.slice, {c}});
+        SkippedContour found{c, 0, 1};
+        double least = HUGE_VAL;
+        for (std::uint32_t n = 0; n < paths.size(); ++n) {
+            const auto slices = paths[n].slices();
+            for (std::size_t gap = 1; gap < slices.size(); ++gap) {
+                const auto draws = [&](std::uint32_t other) {
+                    return set.contours[other].structure == contour.structure;
+                };
+                const std::vector<std::uint32_t>& below = slices[gap - 1].contours;
+                if (std::none_of(below.begin(), below.end(), draws)) continue;
+                const Vec3 from = middle_of(slices[gap - 1]), way = middle_of(slices[gap]) - from;
+                const double along = std::clamp(dot(at - from, way) / squared_length(way), 0.0, 1.0);
+                const double distance = squared_length(at - from - along * way);
+                if (!(distance < least)) continue;
+                least = distance;
+                found.path = n;
+                found.gap = gap;
+            }
+        }
+        skipped.push_back(found);
+    }
+    return skipped;
+}
+
+// The path's chart of the set, in which a skipped slice is one that was left out: skipped ones part their gap evenly,
+// so that it is as wide as those around it.
+ContourSet charted(const ContourSet& set, const SlicePath& path, std::uint32_t number,
+                   const std::vector<SkippedContour>& skipped) {
+    ContourSet made = path.to_chart(set);
+    std::map<std::pair<std::uint32_t, std::size_t>, std::size_t> counts;  // by structure and gap
+    for (const SkippedContour& one : skipped) {
+        if (one.path == number) ++counts[{set.contours[one.contour].structure, one.gap}];
+    }
+    for (const auto& [where, count] : counts) {
+        const double low = path.height(where.second - 1), high = path.height(where.second);
+        for (std::size_t n = 1; n <= count; ++n) {
+            const double z = low + static_cast<double>(n) / static_cast<double>(count + 1) * (high - low);
+            made.left_out.push_back(
+                {set.structures[where.first].number, {{0, 0, z}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
+        }
+    }
+    return made;
+}
+
 Result<std::shared_ptr<const PathField>> field_along(const std::vector<SlicePath>& paths,
                                                      const ContourSet& set, FieldOptions options,
                                                      RunContext& context) {
     if (!(options.clamp_mm > 0)) options.clamp_mm = clamp_spacings * spacing_of(paths);
+    const std::vector<SkippedContour> skipped = skipped_contours(set, paths);
     PathField::Fields in_charts;
-    for (const SlicePath& path : paths) {
+    for (std::uint32_t n = 0; n < paths.size(); ++n) {
         ANATOMESH_TRY(std::shared_ptr<const StructureField> in_chart,
-                      make_parallel_field(path.to_chart(set), options, context));
+                      make_parallel_field(charted(set, paths[n], n, skipped), options, context));
         in_charts.push_back(std::move(in_chart));
     }
     return std::shared_ptr<const PathField>(std::make_shared<PathField>(paths, std::move(in_charts), set));
@@ -315,6 +393,32 @@ void warn_about_branches_apart(const PathField& field, const std::vector<SlicePa
     }
 }
 
+void warn_about_skipped_slices(const ContourSet& set, const std::vector<SlicePath>& paths,
+                               RunContext& context) {
+    const std::vector<std::uint8_t> off = marked_off_paths(set, paths);
+    std::vector<std::uint32_t> slices;
+    for (std::uint32_t c = 0; c < off.size(); ++c) {
+        if (off[c] && (slices.empty() || slices.back() != set.contours[c].slice))
+            slices.push_back(set.contours[c].slice);
+    }
+    if (slices.empty()) return;
+    std::string names;
+    for (std::size_t n = 0; n < std::min(slices.size(), most_named); ++n)
+        names += (n > 0 ? ", " : "") + set.slices[slices[n]].name;
+    if (slices.size() > most_named) names += ", ...";
+    const auto first = std::find(off.begin(), off.end(), 1);
+    const Structure& structure =
+        set.structures[set.contours[static_cast<std::size_t>(first - off.begin())].structure];
+    context.warn(
+        {"W-FLD-019",
+         "slices that follow the path of a tube lean so much that they cross others beside them: " + names,
+         {set.source, set.slices[slices.front()].name,
+          structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
+          std::to_string(slices.size()) + " of " + std::to_string(set.slices.size()) + " slices"},
+         "the tube is shaped by the other slices, and its surface does not follow these; check their "
+         "planes"});
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const StructureField>> make_path_field(const ContourSet& set, const SliceFacts& slices,
@@ -327,7 +431,12 @@ Result<std::shared_ptr<const StructureField>> make_path_field(const ContourSet& 
     for (double& one : known) one = std::min(one, 0.5 * spacing_of(paths));
     warn_about_sparse_planes(set, *field, known, context);
     warn_about_branches_apart(*field, paths, set, context);
+    warn_about_skipped_slices(set, paths, context);
     return std::shared_ptr<const StructureField>(field);
+}
+
+std::vector<std::uint8_t> contours_off_paths(const ContourSet& set, const SliceFacts& slices) {
+    return marked_off_paths(set, slices.arrangement.paths);
 }
 
 Result<std::vector<std::uint8_t>> contours_inside_other_paths(const ContourSet& set, const SliceFacts& slices,

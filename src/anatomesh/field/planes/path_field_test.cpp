@@ -75,6 +75,36 @@ TEST(PathField, it_is_zero_at_contours_and_the_drawn_region_on_slices) {
     }
 }
 
+// Planes set by eye cross here and there; their tubes still have their volume and their ends and are one part.
+TEST(PathField, tubes_on_planes_that_were_set_by_eye_stay_what_they_are) {
+    std::size_t skipping = 0, n = 0;
+    for (const auto& [name, tube] : random_tubes(48, 5)) {
+        const ContourSet set = drawn_by_eye(tube, 1, 6, static_cast<unsigned>(++n));
+        RunContext context;
+        const SliceFacts facts = slice_facts_of(set, default_max_gap, context);
+        const auto field = make_structure_field(set, facts, {}, context).value();
+        EXPECT_NEAR(volume_in(*field, 0), volume_of(tube), 0.03 * volume_of(tube)) << name << " " << n;
+        for (const bool last : {false, true})
+            EXPECT_NEAR(end_of(*field, tube, last), 0, 0.5 * tube.spacing + 1.5) << name << " " << n;
+        EXPECT_EQ(Voxels(*field, 0.25 * tube.radius(0)).topology(), (Topology{1, 0, 0})) << name << " " << n;
+        if (name == "straight") continue;
+        EXPECT_EQ(facts.arrangement.kind, ArrangementKind::along_paths) << name << " " << n;
+        EXPECT_EQ(facts.arrangement.paths.size(), 1u) << name << " " << n;
+        const std::vector<std::uint8_t> off = contours_off_paths(set, facts);
+        const auto skipped = static_cast<std::size_t>(std::count(off.begin(), off.end(), 1));
+        skipping += skipped > 0;
+        EXPECT_LE(4 * skipped, set.slices.size()) << name << " " << n;
+        const bool told = std::any_of(context.warnings.begin(), context.warnings.end(),
+                                      [](const Warning& w) { return w.code == "W-FLD-019"; });
+        EXPECT_EQ(told, skipped > 0) << name << " " << n;
+        for (std::size_t c = 0; c < off.size(); ++c) {
+            if (off[c]) continue;
+            for (const Vec3& p : set.points_of(set.contours[c])) ASSERT_EQ(field->value(0, p), 0) << name;
+        }
+    }
+    EXPECT_GT(skipping, 4u);
+}
+
 TEST(PathField, a_gap_is_told_by_the_slices_beside_it) {
     const Tube tube{arch_path(60, 100, 30), [](double) { return 12.0; }, 4};
     ContourSet set = drawn({tube});

@@ -7,144 +7,32 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
-#include <span>
 #include <utility>
 
-#include "anatomesh/slices/arrangement/mirrored_frame.h"
+#include "anatomesh/slices/arrangement/path_link.h"
 
 namespace anatomesh {
 
 namespace {
 
-// Two slices at a larger angle tell of two tubes rather than of one that bends. [degrees; 0 to 180; C]
-constexpr double most_turn = 110;
-// Of paths with branches no more slices draw places that others draw too. [1; 0 to 1; C more than twice a half, which
-// is the most of a branch and its parent]
-constexpr double most_twice = 0.75;
-// Slices of a branch and its parent that cross lean by 10 degrees at least: slices of a probe that cross lean less.
-// [1, cosine; 0 to 1; C Sweep]
-constexpr double cos_of_branch = 0.985;
 // Where slices of two paths cross they draw less than this in common in the mean: planes of one body agree, while a
 // branch and its parent draw two tubes. [1; 0 to 1; M 2026-11 Y and T of tubes of one radius]
 constexpr double most_agreement = 0.9;
-// Slices that lean by 25 degrees at least, of which this is the cosine, are led by no hand, so that they may agree where
-// they cross: the two legs of a Y do, where they are alike. [1, cosine; 0 to 1; C]
-constexpr double cos_of_legs = 0.906;
+// A path that skips slices turns by more than this somewhere. A probe that a hand leads turns by less, and its slices
+// that cross are planes in any position. [degrees; 0 to 180; C Sweep]
+constexpr double least_turn_with_skipped = 60;
+// No larger share of all slices is skipped: the others then still show a tube that is as thick as its slices are apart.
+// [1; 0 to 0.5; M 2026-11 arches and helices on planes off by 6 degrees, every fourth slice at most]
+constexpr double most_skipped = 1.0 / 3;
+// A skipped slice draws as much as its neighbours: boxes at least this times as large as theirs, and theirs as its own.
+// A branch draws less. [1; 0 to 1; C]
+constexpr double least_size = 0.5;
+// The lean of a slice against so many around it tells which of two that cross is askew. [slices; >= 1; C]
+constexpr std::size_t slices_around = 4;
+// A skipped slice that lies in no gap is kept the next time, so often. [tries; >= 1; B]
+constexpr std::size_t most_tries = 8;
 // It stands for no slice. [index; 2^32 - 1; D]
 constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
-
-// What is drawn on a slice, or a part of it.
-struct Drawing : PlanePatch {
-    std::vector<Vec3> points;
-};
-
-Drawing drawing_of(const ContourSet& set, const PathSlice& part) {
-    Drawing drawing{patch_of(set, part), {}};
-    for (const std::uint32_t c : part.contours) {
-        const std::span<const Vec3> points = set.points_of(set.contours[c]);
-        drawing.points.insert(drawing.points.end(), points.begin(), points.end());
-    }
-    return drawing;
-}
-
-// On which side of a slice points lie: 1 before it, -1 behind it, 0 on both.
-int side_of(const PlanePatch& of, std::span<const Vec3> points) {
-    bool before = true, behind = true;
-    for (const Vec3& point : points) {
-        const double height = of.plane.signed_distance(point);
-        before = before && height > of.high;
-        behind = behind && height < of.low;
-        if (!before && !behind) return 0;
-    }
-    return before ? 1 : -1;
-}
-
-// On which side what another slice draws lies. The corners of its box mostly tell.
-int side_of(const PlanePatch& of, const Drawing& other) {
-    const int side = side_of(of, std::span<const Vec3>(other.corners()));
-    return side != 0 ? side : side_of(of, std::span<const Vec3>(other.points));
-}
-
-bool overlap(const Box2& p, const Box2& q) {
-    return p.low.x <= q.high.x && q.low.x <= p.high.x && p.low.y <= q.high.y && q.low.y <= p.high.y;
-}
-
-// A slice, or a part of one, as a link of a chain.
-struct Link {
-    PathSlice part;
-    Drawing patch;
-    std::vector<std::uint32_t> structures;  // rising
-    std::vector<Drawing> alone;             // of each contour where there are several
-};
-
-Link link_of(const ContourSet& set, PathSlice part) {
-    Link link{std::move(part), {}, {}, {}};
-    link.patch = drawing_of(set, link.part);
-    if (link.part.contours.size() > 1) {
-        for (const std::uint32_t c : link.part.contours)
-            link.alone.push_back(drawing_of(set, {link.part.slice, {c}}));
-    }
-    for (const std::uint32_t c : link.part.contours) {
-        const std::uint32_t structure = set.contours[c].structure;
-        if (link.structures.empty() || link.structures.back() != structure)
-            link.structures.push_back(structure);
-    }
-    return link;
-}
-
-// Of each slice with contours.
-std::vector<Link> links_of(const ContourSet& set) {
-    std::vector<Link> links;
-    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        const Slice& slice = set.slices[s];
-        if (slice.contour_count == 0) continue;
-        PathSlice part{s, std::vector<std::uint32_t>(slice.contour_count)};
-        std::iota(part.contours.begin(), part.contours.end(), slice.first_contour);
-        links.push_back(link_of(set, std::move(part)));
-    }
-    return links;
-}
-
-bool share(const Link& a, const Link& b) {
-    return std::any_of(a.structures.begin(), a.structures.end(), [&](std::uint32_t s) {
-        return std::binary_search(b.structures.begin(), b.structures.end(), s);
-    });
-}
-
-// Two slices whose sides face each other: the frame of one carried on to the other.
-struct Facing {
-    Plane from, to, carried;
-};
-
-// Nothing where they lie across each other, or are turned by too much.
-std::optional<Facing> facing(const PlanePatch& a, int side_of_a, const PlanePatch& b, int side_of_b) {
-    if (side_of_a == 0 || side_of_b == 0) return std::nullopt;
-    Facing made{a.plane, b.plane, {}};
-    made.from.normal = static_cast<double>(side_of_a) * a.plane.normal;
-    made.from.v = static_cast<double>(side_of_a) * a.plane.v;
-    made.to.normal = static_cast<double>(-side_of_b) * b.plane.normal;
-    if (dot(made.from.normal, made.to.normal) < std::cos(most_turn * std::numbers::pi / 180))
-        return std::nullopt;
-    made.carried = mirrored_frame(made.from, made.to);
-    return made;
-}
-
-Box2 box_in(const Plane& plane, const PlanePatch& patch) {
-    Box2 box;
-    for (const Vec3 corner : patch.corners()) box.extend(plane.to_plane(corner));
-    return box;
-}
-
-// How long a path between two slices is; nothing where the boxes of their contours do not lie before each other.
-std::optional<double> way_between(const Facing& both, const PlanePatch& a, const PlanePatch& b) {
-    const Box2 here = box_in(both.from, a), there = box_in(both.carried, b);
-    if (!overlap(here, there)) return std::nullopt;
-    const Vec2 lower = 0.5 * (here.low + here.high), upper = 0.5 * (there.low + there.high);
-    const double chord = 0.5 * (both.from.signed_distance(both.carried.to_space(upper)) -
-                                both.to.signed_distance(both.from.to_space(lower)));
-    return std::hypot(chord, length(upper - lower));
-}
 
 // Of each link the nearest one behind it and before it.
 struct Nearest {
@@ -155,23 +43,8 @@ struct Nearest {
 };
 using Neighbors = std::vector<std::array<Nearest, 2>>;
 
-// How one slice sees another one.
-struct Sight {
-    bool side, its_side;
-    double way;
-};
-
-std::optional<Sight> sight(const Drawing& a, const Drawing& b) {
-    const int side = side_of(a, b), its_side = side == 0 ? 0 : side_of(b, a);
-    const std::optional<Facing> both = facing(a, side, b, its_side);
-    if (!both) return std::nullopt;
-    const std::optional<double> way = way_between(*both, a, b);
-    if (!way) return std::nullopt;
-    return Sight{side > 0, its_side > 0, *way};
-}
-
 // Takes link j as the nearest of link i where it is nearer than what is known.
-void consider(const std::vector<Link>& links, std::uint32_t i, std::uint32_t j,
+void consider(const std::vector<PathLink>& links, std::uint32_t i, std::uint32_t j,
               std::array<Nearest, 2>& nearest) {
     if (i == j || !share(links[i], links[j])) return;
     const auto take = [&](const std::optional<Sight>& seen, bool is_part) {
@@ -187,7 +60,7 @@ void consider(const std::vector<Link>& links, std::uint32_t i, std::uint32_t j,
 
 // Finds the nearest ones of the links from `first` on and of those whose nearest one is link n, and compares those of
 // all others with these. O(links that are found anew x links).
-void renew(const std::vector<Link>& links, std::uint32_t n, std::uint32_t first, Neighbors& nearest) {
+void renew(const std::vector<PathLink>& links, std::uint32_t n, std::uint32_t first, Neighbors& nearest) {
     nearest.resize(links.size());
     const auto count = static_cast<std::uint32_t>(links.size());
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -215,9 +88,9 @@ Neighbors mutual(Neighbors nearest) {
 
 // The parts of a link of which one side is the nearest of several others: each part lies before one of them.
 // Empty where some contour lies before none of them, or before several.
-std::vector<PathSlice> parts_before(const std::vector<Link>& links, std::uint32_t n,
+std::vector<PathSlice> parts_before(const std::vector<PathLink>& links, std::uint32_t n,
                                     const std::vector<std::uint32_t>& claimants) {
-    const Link& link = links[n];
+    const PathLink& link = links[n];
     std::vector<PathSlice> parts(claimants.size(), PathSlice{link.part.slice, {}});
     for (std::size_t k = 0; k < link.alone.size(); ++k) {
         std::size_t found = claimants.size();
@@ -235,7 +108,7 @@ std::vector<PathSlice> parts_before(const std::vector<Link>& links, std::uint32_
 }
 
 // The contours of a link that another one sees, and the others. Empty where there are no others.
-std::vector<PathSlice> parts_seen(const Link& link, const Link& by) {
+std::vector<PathSlice> parts_seen(const PathLink& link, const PathLink& by) {
     std::vector<PathSlice> parts(2, PathSlice{link.part.slice, {}});
     for (std::size_t k = 0; k < link.alone.size(); ++k)
         parts[sight(by.patch, link.alone[k]) ? 0 : 1].contours.push_back(link.part.contours[k]);
@@ -248,7 +121,7 @@ struct Fork {
     std::vector<PathSlice> parts;
 };
 
-std::optional<Fork> find_fork(const Neighbors& nearest, const std::vector<Link>& links) {
+std::optional<Fork> find_fork(const Neighbors& nearest, const std::vector<PathLink>& links) {
     std::vector<std::array<std::vector<std::uint32_t>, 2>> claimants(links.size());
     for (std::uint32_t i = 0; i < links.size(); ++i) {
         for (const Nearest& to : nearest[i]) {
@@ -270,7 +143,7 @@ std::optional<Fork> find_fork(const Neighbors& nearest, const std::vector<Link>&
 }
 
 // Parts links at forks until there are none. O(contours) forks, each O(links).
-void part_at_forks(const ContourSet& set, std::vector<Link>& links, Neighbors& nearest) {
+void part_at_forks(const ContourSet& set, std::vector<PathLink>& links, Neighbors& nearest) {
     while (std::optional<Fork> fork = find_fork(nearest, links)) {
         const auto first = static_cast<std::uint32_t>(links.size());
         links[fork->link] = link_of(set, std::move(fork->parts.front()));
@@ -302,87 +175,6 @@ std::optional<std::vector<std::vector<std::uint32_t>>> chains_of(const Neighbors
     return chains;
 }
 
-// Where a slice's contours of a structure pass another plane, along the common line from `origin`; rising.
-std::vector<double> passes(const ContourSet& set, const Link& link, std::uint32_t structure,
-                           const Plane& other, Vec3 origin, Vec3 direction) {
-    std::vector<double> at;
-    for (const std::uint32_t c : link.part.contours) {
-        const Contour& contour = set.contours[c];
-        if (contour.structure != structure) continue;
-        const std::span<const Vec3> points = set.points_of(contour);
-        double before = other.signed_distance(points.back());
-        for (std::size_t n = 0; n < points.size(); ++n) {
-            const double here = other.signed_distance(points[n]);
-            if ((before < 0) != (here < 0)) {
-                const Vec3 from = n == 0 ? points.back() : points[n - 1];
-                at.push_back(dot(from + (before / (before - here)) * (points[n] - from) - origin, direction));
-            }
-            before = here;
-        }
-    }
-    std::sort(at.begin(), at.end());
-    return at;
-}
-
-double total_length(const std::vector<double>& ends) {
-    double sum = 0;
-    for (std::size_t n = 0; n + 1 < ends.size(); n += 2) sum += ends[n + 1] - ends[n];
-    return sum;
-}
-
-double common_length(const std::vector<double>& a, const std::vector<double>& b) {
-    double sum = 0;
-    for (std::size_t m = 0, n = 0; m + 1 < a.size() && n + 1 < b.size();) {
-        sum += std::max(0.0, std::min(a[m + 1], b[n + 1]) - std::max(a[m], b[n]));
-        if (a[m + 1] < b[n + 1])
-            m += 2;
-        else
-            n += 2;
-    }
-    return sum;
-}
-
-// How much of what two slices draw of their structures on their common line both of them draw. [0 to 1]
-double agreement(const ContourSet& set, const Link& one, const Link& other) {
-    const Plane &a = one.patch.plane, &b = other.patch.plane;
-    const Vec3 direction = cross(a.normal, b.normal), origin = a.origin;
-    double common = 0, all = 0;
-    for (const std::uint32_t s : one.structures) {
-        const std::vector<double> on_a = passes(set, one, s, b, origin, direction),
-                                  on_b = passes(set, other, s, a, origin, direction);
-        const double both = common_length(on_a, on_b);
-        if (!(both > 0)) continue;
-        common += both;
-        all += total_length(on_a) + total_length(on_b) - both;
-    }
-    return common > 0 ? common / all : 0;
-}
-
-// Two links that draw one place.
-struct DrawnTwice {
-    std::uint32_t one, other;
-    double agreement;
-};
-
-std::vector<DrawnTwice> drawn_twice(const ContourSet& set, const std::vector<Link>& links) {
-    std::vector<PlanePatch> patches;
-    for (const Link& link : links) patches.push_back(link.patch);
-    std::vector<DrawnTwice> twice;
-    for (const auto& [i, j] : crossing_pairs(patches, 0)) {
-        const double both = agreement(set, links[i], links[j]);
-        if (both > 0) twice.push_back({i, j, both});
-    }
-    return twice;
-}
-
-// Whether so many links draw places that others draw too that they are no paths with branches.
-bool cross_everywhere(const std::vector<Link>& links, const std::vector<DrawnTwice>& twice) {
-    std::vector<std::uint8_t> crosses(links.size(), 0);
-    for (const DrawnTwice& pair : twice) crosses[pair.one] = crosses[pair.other] = 1;
-    return static_cast<double>(std::count(crosses.begin(), crosses.end(), 1)) >
-           most_twice * static_cast<double>(links.size());
-}
-
 // The places along two paths at which they draw one place.
 struct Meeting {
     std::vector<std::size_t> on_one, on_other;
@@ -404,7 +196,7 @@ bool is_root(const std::vector<std::size_t>& branch, std::size_t of_branch,
 }
 
 // Whether slices cross at the roots of branches alone.
-bool are_paths(const ContourSet& set, const std::vector<Link>& links,
+bool are_paths(const ContourSet& set, const std::vector<PathLink>& links,
                const std::vector<std::vector<std::uint32_t>>& chains) {
     std::vector<std::pair<std::uint32_t, std::size_t>> place(links.size());  // chain, and place in it
     for (std::uint32_t c = 0; c < chains.size(); ++c) {
@@ -434,42 +226,191 @@ bool are_paths(const ContourSet& set, const std::vector<Link>& links,
     });
 }
 
-// Whether two slices lie before each other, lean by little, and reach through each other: a hand led the probe, and
-// none of them ends a tube.
-bool reach_through(const Link& one, const Link& other) {
-    const Drawing &a = one.patch, &b = other.patch;
-    if (!share(one, other) || std::abs(dot(a.plane.normal, b.plane.normal)) < cos_of_branch) return false;
-    if (side_of(a, b) != 0 && side_of(b, a) != 0) return false;
-    return overlap(a.box, box_in(a.plane, b));
-}
-
-bool are_by_hand(const std::vector<Link>& links) {
+bool are_by_hand(const std::vector<PathLink>& links) {
     for (std::size_t i = 0; i < links.size(); ++i) {
         for (std::size_t j = 0; j < i; ++j) {
-            if (reach_through(links[i], links[j])) return true;
+            if (reach_through(links[i], links[j], cos_of_branch)) return true;
         }
     }
     return false;
+}
+
+// Chains of links, some of which may be parts of slices.
+struct Chained {
+    std::vector<PathLink> links;
+    std::vector<std::vector<std::uint32_t>> chains;
+};
+
+std::optional<Chained> chained(const ContourSet& set, std::vector<PathLink> links) {
+    if (links.size() < 2 || cross_everywhere(links, drawn_twice(set, links))) return std::nullopt;
+    Neighbors nearest;
+    renew(links, 0, 0, nearest);
+    part_at_forks(set, links, nearest);
+    auto chains = chains_of(mutual(std::move(nearest)));
+    if (!chains || are_by_hand(links) || !are_paths(set, links, *chains)) return std::nullopt;
+    return Chained{std::move(links), std::move(*chains)};
+}
+
+// Of each link those that it reaches through as slices of one tube do that were set askew.
+using Crossed = std::vector<std::vector<std::uint32_t>>;
+
+Crossed crossed_neighbors(const std::vector<PathLink>& links) {
+    Crossed crossed(links.size());
+    for (std::uint32_t i = 0; i < links.size(); ++i) {
+        for (std::uint32_t j = 0; j < i; ++j) {
+            if (!reach_through(links[i], links[j], cos_of_legs)) continue;
+            crossed[i].push_back(j);
+            crossed[j].push_back(i);
+        }
+    }
+    return crossed;
+}
+
+// How much a link leans against those around it. [1 - cosine, sum] O(links).
+double lean_of(const std::vector<PathLink>& links, std::uint32_t n) {
+    std::vector<std::pair<double, double>> around;  // distance, lean
+    for (std::uint32_t i = 0; i < links.size(); ++i) {
+        if (i == n || !share(links[i], links[n])) continue;
+        const Drawing &a = links[i].patch, &b = links[n].patch;
+        around.emplace_back(squared_length(a.middle() - b.middle()),
+                            1 - std::abs(dot(a.plane.normal, b.plane.normal)));
+    }
+    const std::size_t count = std::min(slices_around, around.size());
+    std::partial_sort(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(count), around.end());
+    double sum = 0;
+    for (std::size_t k = 0; k < count; ++k) sum += around[k].second;
+    return sum;
+}
+
+// Links without which no two cross: as long as two do, the one that crosses most of them, or leans more. Nothing where
+// too many are needed, or one that is kept.
+std::optional<std::vector<std::uint32_t>> skipped_links(const std::vector<PathLink>& links, Crossed crossed,
+                                                        const std::vector<std::uint8_t>& kept) {
+    std::vector<double> lean(links.size(), 0);
+    for (std::uint32_t n = 0; n < links.size(); ++n) {
+        if (!crossed[n].empty()) lean[n] = lean_of(links, n);
+    }
+    std::vector<std::uint32_t> skipped;
+    while (true) {
+        std::uint32_t worst = nobody;
+        for (std::uint32_t n = 0; n < links.size(); ++n) {
+            if (crossed[n].empty() || kept[n]) continue;
+            if (worst == nobody ||
+                std::pair(crossed[n].size(), lean[n]) > std::pair(crossed[worst].size(), lean[worst]))
+                worst = n;
+        }
+        if (worst == nobody) break;
+        for (const std::uint32_t other : std::exchange(crossed[worst], {})) std::erase(crossed[other], worst);
+        skipped.push_back(worst);
+        if (static_cast<double>(skipped.size()) > most_skipped * static_cast<double>(links.size()))
+            return std::nullopt;
+    }
+    const bool done = std::all_of(crossed.begin(), crossed.end(), [](const auto& of) { return of.empty(); });
+    return done ? std::optional(std::move(skipped)) : std::nullopt;
+}
+
+double size_of(const Drawing& drawing) {
+    return (drawing.box.high.x - drawing.box.low.x) * (drawing.box.high.y - drawing.box.low.y);
+}
+
+// Whether a link lies between two neighbours of a path as a slice of it does.
+bool lies_between(const PathLink& link, const PathLink& before, const PathLink& after) {
+    const Vec3 from = before.patch.middle(), way = after.patch.middle() - from;
+    const double along = dot(link.patch.middle() - from, way);
+    if (along < 0 || along > squared_length(way)) return false;
+    const auto is_alike = [&](const PathLink& other) {
+        const double size = size_of(link.patch), its_size = size_of(other.patch);
+        return share(link, other) && std::min(size, its_size) >= least_size * std::max(size, its_size) &&
+               std::abs(dot(link.patch.plane.normal, other.patch.plane.normal)) > cos_of_legs;
+    };
+    return is_alike(before) && is_alike(after);
+}
+
+// Whether a chain turns so far that no hand leads a probe along it.
+bool turns_far(const std::vector<PathLink>& links, const std::vector<std::uint32_t>& chain) {
+    std::vector<Vec3> along;  // unit normals, along the chain
+    for (std::size_t n = 0; n < chain.size(); ++n) {
+        const std::size_t from = n + 1 < chain.size() ? n : n - 1;
+        const Vec3 way = links[chain[from + 1]].patch.middle() - links[chain[from]].patch.middle();
+        const Vec3& normal = links[chain[n]].patch.plane.normal;
+        along.push_back((dot(normal, way) < 0 ? -1.0 : 1.0) * normal);
+    }
+    const double most = std::cos(least_turn_with_skipped * std::numbers::pi / 180);
+    return std::any_of(along.begin(), along.end(), [&](const Vec3& a) {
+        return std::any_of(along.begin(), along.end(), [&](const Vec3& b) { return dot(a, b) < most; });
+    });
+}
+
+// Whether a link lies in a gap of a chain that turns far.
+bool is_skipped_well(const PathLink& link, const Chained& others) {
+    return std::any_of(others.chains.begin(), others.chains.end(),
+                       [&](const std::vector<std::uint32_t>& chain) {
+                           for (std::size_t n = 0; n + 1 < chain.size(); ++n) {
+                               if (lies_between(link, others.links[chain[n]], others.links[chain[n + 1]]))
+                                   return turns_far(others.links, chain);
+                           }
+                           return false;
+                       });
+}
+
+// The chains that are left when slices are skipped that were set askew and cross others of their tube. Nothing where
+// there are none, or one of them does not lie in a gap that it leaves.
+std::optional<Chained> chained_with_skipped(const ContourSet& set, const std::vector<PathLink>& links) {
+    const Crossed crossed = crossed_neighbors(links);
+    std::vector<std::uint8_t> kept(links.size(), 0);
+    for (std::size_t tries = 0; tries < most_tries; ++tries) {
+        const auto skipped = skipped_links(links, crossed, kept);
+        if (!skipped || skipped->empty()) return std::nullopt;
+        std::vector<PathLink> others;
+        for (std::uint32_t n = 0; n < links.size(); ++n) {
+            if (std::find(skipped->begin(), skipped->end(), n) == skipped->end()) others.push_back(links[n]);
+        }
+        std::optional<Chained> made = chained(set, std::move(others));
+        if (!made) return std::nullopt;
+        bool all = true;
+        for (const std::uint32_t n : *skipped) {
+            if (is_skipped_well(links[n], *made)) continue;
+            kept[n] = 1;
+            all = false;
+        }
+        if (all) return made;
+    }
+    return std::nullopt;
 }
 
 }  // namespace
 
 std::optional<std::vector<SlicePath>> paths_of_slices(const ContourSet& set) {
     if (set.exclusive && set.structures.size() > 1) return std::nullopt;
-    std::vector<Link> links = links_of(set);
+    const std::vector<PathLink> links = links_of(set);
     if (links.size() < 2 || cross_everywhere(links, drawn_twice(set, links))) return std::nullopt;
-    Neighbors nearest;
-    renew(links, 0, 0, nearest);
-    part_at_forks(set, links, nearest);
-    const auto chains = chains_of(mutual(std::move(nearest)));
-    if (!chains || are_by_hand(links) || !are_paths(set, links, *chains)) return std::nullopt;
+    std::optional<Chained> made = chained(set, links);
+    // A tube that is broken where slices of it cross is whole without some of them.
+    std::optional<Chained> whole = chained_with_skipped(set, links);
+    if (whole && (!made || whole->chains.size() < made->chains.size())) made = std::move(whole);
+    if (!made) return std::nullopt;
     std::vector<SlicePath> paths;
-    for (const std::vector<std::uint32_t>& chain : *chains) {
+    for (const std::vector<std::uint32_t>& chain : made->chains) {
         std::vector<PathSlice> slices;
-        for (const std::uint32_t n : chain) slices.push_back(links[n].part);
+        for (const std::uint32_t n : chain) slices.push_back(made->links[n].part);
         paths.emplace_back(set, std::move(slices));
     }
     return paths;
+}
+
+std::vector<std::uint32_t> slices_without_neighbor(const ContourSet& set) {
+    std::vector<PathLink> links = links_of(set);
+    Neighbors nearest;
+    renew(links, 0, 0, nearest);
+    part_at_forks(set, links, nearest);
+    const Neighbors both = mutual(std::move(nearest));
+    std::vector<std::uint32_t> slices;
+    for (std::size_t n = 0; n < links.size(); ++n) {
+        if (both[n][0].link == nobody && both[n][1].link == nobody) slices.push_back(links[n].part.slice);
+    }
+    std::sort(slices.begin(), slices.end());
+    slices.erase(std::unique(slices.begin(), slices.end()), slices.end());
+    return slices;
 }
 
 }  // namespace anatomesh

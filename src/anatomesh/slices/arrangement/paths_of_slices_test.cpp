@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/field/drawn_tubes_for_test.h"
 #include "anatomesh/field/rotational_fixtures_for_test.h"
 #include "anatomesh/slices/arrangement/slice_arrangement.h"
@@ -179,6 +181,33 @@ TEST(PathsOfSlices, a_probe_by_hand_whose_slices_cross_here_and_there_has_none) 
     }
     EXPECT_GT(crossing, 20u);
     EXPECT_LT(crossing, 55u);
+}
+
+// Some of their planes cross: few are skipped, and none where they do not.
+TEST(PathsOfSlices, a_tube_on_planes_that_were_set_by_eye_is_one_path) {
+    std::size_t skipping = 0, n = 0;
+    for (const auto& [name, tube] : random_tubes(160, 11)) {
+        ++n;
+        if (name == "straight") continue;
+        for (const double turned : {0.0, 3.0, 6.0}) {
+            const ContourSet set = drawn_by_eye(tube, turned / 6, turned, static_cast<unsigned>(n));
+            const auto paths = paths_of_slices(set);
+            ASSERT_TRUE(paths && paths->size() == 1) << name << " " << n << " " << turned;
+            const std::size_t skipped = set.contours.size() - contours_on(*paths);
+            EXPECT_LE(4 * skipped, set.slices.size()) << name << " " << n;
+            if (turned == 0) {
+                EXPECT_EQ(skipped, 0u) << name << " " << n;
+            }
+            skipping += skipped > 0;
+            // What is left has the same path.
+            std::vector<std::uint32_t> rest;
+            for (const PathSlice& slice : paths->front().slices()) rest.push_back(slice.slice);
+            std::sort(rest.begin(), rest.end());
+            EXPECT_EQ(contours_on(*paths_of_slices(chosen_slices(set, rest))), rest.size())
+                << name << " " << n;
+        }
+    }
+    EXPECT_GT(skipping, 20u);
 }
 
 // Also tubes of one radius, which agree where their middles cross.
