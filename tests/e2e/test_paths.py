@@ -116,6 +116,29 @@ class Paths(harness.TestCase):
                 self.assert_one_part(structures[0], area(12) * length, 0.01)
                 self.assert_one_part(structures[1], area(5) * 40, 0.01)
 
+    def test_a_slice_along_a_tube_is_told_and_without_it_the_tube_is_right(self):
+        path, length = arch(60, 100)
+        check = {"name": "check", "plane": {"origin": [30, 0, 0], "normal": [0, 1, 0]},
+                 "contours": [{"structure": 1, "points": [[18, 0, -30], [42, 0, -30], [42, 0, 30], [18, 0, 30]]}]}
+        slices = along_path(path, length, 4, 12) + [check]
+        told = next(line for line in self.built(slices).err.splitlines() if "W-FLD-018" in line)
+        self.assertIn("--without 'check'", told)
+        structures, said = self.model(slices, options=("--without", "check"))
+        self.assertNotIn("W-FLD-018", said)
+        self.assert_one_part(structures[0], area(12) * length, 0.01)
+
+    def test_a_structure_on_planes_that_cross_is_told_beside_an_arch(self):
+        path, length = arch(60, 100)
+        heart = [slice_of(np.array([0.0, -80, z]), [0, 0, 1], np.sqrt(625 - (z - 40) ** 2), 2) for z in range(20, 61, 5)]
+        heart += [slice_of(np.array([0.0, -80, 40]), along, 25, 2) for along in ([1, 0, 0], [0, 1, 0])]
+        slices = along_path(path, length, 4, 12) + heart
+        told = next(line for line in self.built(slices, ("aorta", "heart")).err.splitlines() if "W-FLD-018" in line)
+        self.assertIn("all slices of heart", told)
+        self.assertIn("--structure 'aorta'", told)
+        structures, said = self.model(slices, ("aorta", "heart"), ("--structure", "aorta"))
+        self.assertNotIn("W-FLD-018", said)
+        self.assert_one_part(structures[0], area(12) * length, 0.01)
+
     def test_planes_set_by_eye_keep_the_volume_and_the_slices_that_cross_are_named(self):
         path, length = arch(60, 100)
         for spacing, radius, skips in ((4, 14, True), (8, 12, False)):

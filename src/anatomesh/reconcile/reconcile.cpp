@@ -11,6 +11,7 @@
 #include "anatomesh/reconcile/reconcile_move.h"
 #include "anatomesh/reconcile/reconcile_prepare.h"
 #include "anatomesh/slices/arrangement/slice_arrangement.h"
+#include "anatomesh/slices/arrangement/slices_beside_paths.h"
 
 namespace anatomesh {
 
@@ -61,11 +62,14 @@ Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOption
                                            RunContext& context) {
     assert(options.max_disagreement_mm > 0 && options.smoothing_mm > 0 && options.margin_mm >= 0);
     // Slices along paths say nothing of what their planes cross elsewhere, so none contradicts another one.
-    if (arrangement_of(set).is_along_paths()) {
+    const SliceArrangement arrangement = arrangement_of(set);
+    if (arrangement.is_along_paths()) {
         ReconcileStats stats;
         stats.movements.resize(set.slices.size());
         return ReconcileResult{std::move(set), std::move(stats)};
     }
+    // A refusal names slices that contradict each other; told before it is which one keeps all from being along paths.
+    warn_about_slices_beside_paths(set, arrangement, context);
     auto [scope, state] = start_of(std::move(set), options, context);
     const bool do_cross = !state.pairs.empty();
     for (std::size_t n = 0; n < steps.size() && do_cross; ++n) {

@@ -10,6 +10,7 @@
 #include "anatomesh/field/stack/stack_field.h"
 #include "anatomesh/field/warnings/displaced_slices.h"
 #include "anatomesh/field/warnings/missing_slices.h"
+#include "anatomesh/slices/arrangement/slices_beside_paths.h"
 
 namespace anatomesh {
 
@@ -23,6 +24,7 @@ Result<std::shared_ptr<const StructureField>> make_field_of_slices(const Contour
     if (stack) return stack;
     const SliceArrangement& arrangement = slices.arrangement;
     if (arrangement.is_along_paths()) return make_path_field(set, slices, options, context);
+    warn_about_slices_beside_paths(set, arrangement, context);
     if (arrangement.kind == ArrangementKind::about_axis)
         return make_rotational_field(set, slices, options, context);
     warn_about_displaced_slices(set, context);
