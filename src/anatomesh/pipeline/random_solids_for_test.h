@@ -12,7 +12,7 @@
 
 #include "anatomesh/contour/model/raw_contours.h"
 #include "anatomesh/geom/plane.h"
-#include "anatomesh/pipeline/section_tracer_for_test.h"
+#include "anatomesh/geom/section_tracer_for_test.h"
 
 namespace anatomesh::random_solids {
 
