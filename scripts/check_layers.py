@@ -22,7 +22,7 @@ field/model field/slice field/warnings field/motion field/stack field/planes fie
 overlaps
 sample delaunay cull cut measure
 improve/core improve/operations improve/climb improve/sections improve/surgery improve/reroute improve/smooth improve
-measure/certificate measure/topology refine recover element
+measure/certificate measure/topology outliers refine recover element
 pipeline/model pipeline/retry pipeline/run pipeline
 uncertainty
 """.split()

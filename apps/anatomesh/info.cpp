@@ -11,6 +11,7 @@
 #include "anatomesh/base/plural.h"
 #include "anatomesh/contour/clean/clean.h"
 #include "anatomesh/image/select.h"
+#include "anatomesh/outliers/warn_about_outlying_slices.h"
 #include "answer.h"
 #include "dicom_input.h"
 #include "input_options.h"
@@ -105,6 +106,7 @@ Json segmentation_json(const LoadedSegmentation& loaded) {
 Result<Json> contours_json(const RawContours& raw, const CleanOptions& cleaning, RunContext& context) {
     ANATOMESH_TRY(const CleanResult cleaned, clean_contours(raw, cleaning, context));
     const ContourSet& set = cleaned.kept;
+    warn_about_outlying_slices(set, arrangement_of(set), {}, context);
     const Box3 box = set.box();
     const bool parallel = all_parallel(set, parallel_tolerance_mm);
     Json json;

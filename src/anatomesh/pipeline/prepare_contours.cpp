@@ -18,6 +18,7 @@
 #include "anatomesh/image/select.h"
 #include "anatomesh/measure/contour_movement.h"
 #include "anatomesh/measure/crossing_report.h"
+#include "anatomesh/outliers/warn_about_outlying_slices.h"
 #include "anatomesh/overlaps/outlines_between.h"
 
 namespace anatomesh {
@@ -277,12 +278,22 @@ Status give_to_first(PreparedContours& prepared, const PrepareOptions& options, 
     return Nothing{};
 }
 
+// Of the contours as they were drawn, after what crossing slices say of each other.
+void warn_of_outliers(const ContourSet& drawn, const PrepareOptions& options, RunContext& context) {
+    if (!drawn.drawn) return;
+    warn_about_outlying_slices(drawn, arrangement_of(drawn, options.field.max_gap_spacings), options.field,
+                               context);
+}
+
 // `watch`: begun with the preparing.
 Result<PreparedContours> finished(PreparedContours prepared, const PrepareOptions& options, Stopwatch watch,
                                   RunContext& context, const ContoursCheck& check) {
     ANATOMESH_CHECK_STATUS(rename_structure(prepared, options));
     prepared.stages.push_back({"contours", watch.lap(), prepared.kept.points.size(), 0, {}});
-    if (options.until != PrepareUntil::all) return prepared;
+    if (options.until != PrepareUntil::all) {
+        warn_of_outliers(prepared.kept, options, context);
+        return prepared;
+    }
     if (check) {
         ANATOMESH_CHECK_STATUS(check(prepared.kept));
     }
@@ -291,6 +302,7 @@ Result<PreparedContours> finished(PreparedContours prepared, const PrepareOption
     const ContourSet drawn = std::exchange(prepared.kept, std::move(reconciled.kept));
     prepared.crossing = crossing_report(prepared.kept, reconciled.stats, options.reconcile.reconcile);
     if (!prepared.crossing.pairs.empty()) prepared.crossing.movement = contour_movement(drawn, prepared.kept);
+    warn_of_outliers(drawn, options, context);
     ANATOMESH_CHECK_STATUS(give_to_first(prepared, options, context));
     prepared.stages.push_back({"reconcile", watch.lap(), prepared.kept.points.size(), 0, {}});
     return prepared;

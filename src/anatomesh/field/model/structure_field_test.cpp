@@ -371,30 +371,6 @@ TEST(StructureField, RS18_a_slice_with_other_structures_alone_is_empty) {
     EXPECT_LT(field.value()->value(1, {0, 0, 9}), 0);
 }
 
-TEST(StructureField, C29_a_slice_that_jumped_is_told_once) {
-    for (const double lean : {0.0, 0.02}) {
-        SetBuilder builder;
-        for (int k = 0; k < 15; ++k) {
-            builder.slice(make_plane({0, 0, 3.0 * k}, {lean * (k % 2), 0, 1}));
-            builder.set.slices.back().name = "slice " + std::to_string(k);
-            builder.ring(0, circle({k == 8 ? 7.0 : 0, 0}, 20, 40));
-        }
-        RunContext context;
-        ASSERT_TRUE(make_structure_field(builder.set, {}, context).ok());
-        EXPECT_EQ(std::count_if(context.warnings.begin(), context.warnings.end(),
-                                [&](const Warning& told) {
-                                    return told.code == "W-FLD-011" && told.place.slice == "slice 8";
-                                }),
-                  1)
-            << lean;
-        builder.set.drawn = false;
-        RunContext traced;
-        ASSERT_TRUE(make_structure_field(builder.set, {}, traced).ok());
-        EXPECT_TRUE(std::none_of(traced.warnings.begin(), traced.warnings.end(),
-                                 [](const Warning& told) { return told.code == "W-FLD-011"; }));
-    }
-}
-
 TEST(StructureField, a_slice_without_any_contour_is_empty) {
     SetBuilder builder;
     for (int k = 0; k < 9; ++k) {

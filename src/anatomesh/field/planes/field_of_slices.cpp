@@ -8,7 +8,6 @@
 #include "anatomesh/field/planes/path_field.h"
 #include "anatomesh/field/planes/rotational_field.h"
 #include "anatomesh/field/stack/stack_field.h"
-#include "anatomesh/field/warnings/displaced_slices.h"
 #include "anatomesh/field/warnings/missing_slices.h"
 #include "anatomesh/slices/arrangement/slices_beside_paths.h"
 
@@ -27,7 +26,6 @@ Result<std::shared_ptr<const StructureField>> make_field_of_slices(const Contour
     warn_about_slices_beside_paths(set, arrangement, context);
     if (arrangement.kind == ArrangementKind::about_axis)
         return make_rotational_field(set, slices, options, context);
-    warn_about_displaced_slices(set, context);
     if (arrangement.kind == ArrangementKind::stack_and_crossing)
         return make_crossed_field(set, slices, options, context);
     warn_about_missing_slices(set, arrangement.axis, context);

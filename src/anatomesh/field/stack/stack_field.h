@@ -10,8 +10,8 @@
 
 namespace anatomesh {
 
-// The field of parallel slices (parallel_field.h) or of a sweep (swept_field.h), and W-FLD-011 of slices that are out of
-// line (displaced_slices.h); nullptr where the slices are neither. Requires and errors: as make_structure_field().
+// The field of parallel slices (parallel_field.h) or of a sweep (swept_field.h); nullptr where the slices are neither.
+// Requires and errors: as make_structure_field().
 Result<std::shared_ptr<const StructureField>> make_stack_field(const ContourSet& set,
                                                                const SliceArrangement& arrangement,
                                                                const FieldOptions& options,
