@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 
+#include "anatomesh_io/file/set_journal.h"
 #include "anatomesh_io/file/uninterrupted.h"
 
 namespace anatomesh {
@@ -80,9 +81,9 @@ std::string own_prefix() {
     return std::string(temporary_prefix) + machine_tag() + "-";
 }
 
-// The process that made a temporary file of this machine, from ".anatomesh-<machine>-<pid>-<n>.tmp".
-std::optional<pid_t> owner_of(std::string_view name, std::string_view prefix) {
-    if (!name.starts_with(prefix) || !name.ends_with(temporary_suffix)) return std::nullopt;
+// The process that made a temporary file or a journal of this machine, from ".anatomesh-<machine>-<pid>-<n><suffix>".
+std::optional<pid_t> owner_of(std::string_view name, std::string_view prefix, std::string_view suffix) {
+    if (!name.starts_with(prefix) || !name.ends_with(suffix)) return std::nullopt;
     name.remove_prefix(prefix.size());
     pid_t owner = 0;
     const auto [end, failure] = std::from_chars(name.data(), name.data() + name.size(), owner);
@@ -91,17 +92,28 @@ std::optional<pid_t> owner_of(std::string_view name, std::string_view prefix) {
     return owner;
 }
 
-// Best effort: a temporary file that cannot be removed does no harm.
-void remove_stale_temporaries(const std::string& folder, SystemCalls& calls) {
+// What killed runs of this machine left in a folder, by the ending of the names.
+std::vector<std::string> left_behind(const std::string& folder, std::string_view suffix) {
     const std::string prefix = own_prefix();
+    std::vector<std::string> left;
     std::error_code failure;
     std::filesystem::directory_iterator entry(folder, failure), end;
     while (!failure && entry != end) {
-        const std::string name = entry->path().filename().string();
-        const auto owner = owner_of(name, prefix);
-        if (owner && ::kill(*owner, 0) != 0 && errno == ESRCH) calls.unlink(entry->path().c_str());
+        const auto owner = owner_of(entry->path().filename().string(), prefix, suffix);
+        if (owner && ::kill(*owner, 0) != 0 && errno == ESRCH) left.push_back(entry->path().string());
         entry.increment(failure);
     }
+    std::sort(left.begin(), left.end());
+    return left;
+}
+
+// Outputs that were about to get their names get them; other temporary files are removed. Best effort: what cannot be
+// removed does no harm.
+void clean_up(const std::string& folder, SystemCalls& calls) {
+    for (const std::string& journal : left_behind(folder, journal_suffix))
+        finish_journal(journal, own_prefix(), calls);
+    for (const std::string& temporary : left_behind(folder, temporary_suffix))
+        calls.unlink(temporary.c_str());
 }
 
 struct Target {
@@ -258,7 +270,7 @@ int sync_folder(const std::string& folder, SystemCalls& calls) {
 
 Status check_writable(const std::string& path, SystemCalls& calls) {
     ANATOMESH_TRY(const Target target, find_target(path));
-    remove_stale_temporaries(target.folder, calls);
+    clean_up(target.folder, calls);
     ANATOMESH_TRY(const Temporary temporary, create_temporary(target, path, calls));
     close_checked(temporary.descriptor, calls);
     calls.unlink(temporary.name.c_str());
@@ -273,7 +285,7 @@ Status write_file_atomically(const std::string& path, std::string_view content, 
 
 Result<AtomicFile> AtomicFile::create(const std::string& path, SystemCalls& calls) {
     ANATOMESH_TRY(Target target, find_target(path));
-    remove_stale_temporaries(target.folder, calls);
+    clean_up(target.folder, calls);
     ANATOMESH_TRY(Temporary temporary, create_temporary(target, path, calls));
     AtomicFile file(path, calls);
     file.target_ = std::move(target.file);
@@ -425,9 +437,24 @@ Status AtomicFileSet::add(AtomicFile file) {
     return Nothing{};
 }
 
+Result<std::string> AtomicFileSet::begin_journal(const std::vector<AtomicFile>& files) {
+    if (files.size() < 2) return std::string();
+    std::vector<PendingOutput> pending;
+    for (const AtomicFile& file : files) pending.push_back({file.temporary_, file.target_});
+    // Each temporary file's name is its run's alone.
+    std::string journal = files.front().temporary_ + std::string(journal_suffix);
+    if (const int why = write_journal(journal, pending, *calls_); why != 0) {
+        return file_error("E-FILE-007",
+                          "no list of the outputs can be written in their folder: " + reason(why),
+                          files.front().path_, advice(why));
+    }
+    return journal;
+}
+
 Status AtomicFileSet::commit(const std::function<Status()>& last) {
     std::vector<AtomicFile> files = std::move(files_);
     files_.clear();
+    ANATOMESH_TRY(const std::string journal, begin_journal(files));
     std::optional<Error> failure;
     std::size_t placed = 0;
     for (; placed < files.size(); ++placed) {
@@ -453,8 +480,9 @@ Status AtomicFileSet::commit(const std::function<Status()>& last) {
     }
     if (failure) {
         while (placed > 0) files[--placed].take_back();
-        return *std::move(failure);
     }
+    if (!journal.empty()) calls_->unlink(journal.c_str());
+    if (failure) return *std::move(failure);
     return Nothing{};
 }
 

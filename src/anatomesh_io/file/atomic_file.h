@@ -3,7 +3,8 @@
 // The content goes to a temporary file in the same folder, every write and the close are checked, the file is
 // synced, renamed to its name, and the folder is synced. Until the rename the old file is untouched. A
 // process that is killed leaves the old or the complete new file, and perhaps a temporary file named
-// ".anatomesh-<machine>-<pid>-<n>.tmp", which the next run that writes into the folder removes.
+// ".anatomesh-<machine>-<pid>-<n>.tmp", which the next run that writes into the folder removes; of several outputs
+// it finishes what was begun.
 //
 // Errors are of kind `file` (exit code 6; E-FILE-012 of kind `usage`) and name the path:
 //   E-FILE-001 no such folder             E-FILE-007 the temporary file cannot be created
@@ -78,7 +79,8 @@ class AtomicFile {
 
 // Several outputs of one run that appear together: all are complete on the disk before the first is renamed,
 // and when a rename fails the earlier ones are undone (as far as the file system lets; old contents are kept
-// aside by exchanging names until the end).
+// aside by exchanging names until the end). A run that is killed between two renames leaves a journal: the next run
+// that writes into the folder of the first output gives the others their names, so that all appear (set_journal.h).
 class AtomicFileSet {
   public:
     explicit AtomicFileSet(SystemCalls& calls = SystemCalls::real()) : calls_(&calls) {}
@@ -94,6 +96,9 @@ class AtomicFileSet {
     std::size_t size() const { return files_.size(); }
 
   private:
+    // The journal of several files that are about to get their names (set_journal.h); an empty text for one.
+    Result<std::string> begin_journal(const std::vector<AtomicFile>& files);
+
     SystemCalls* calls_;
     std::vector<AtomicFile> files_;
 };

@@ -340,6 +340,149 @@ TEST(AtomicFile, F04_killed_at_any_time_leaves_the_old_or_the_new_file) {
     EXPECT_EQ(folder.entries(), 1u) << "the next start removes what killed runs left";
 }
 
+// Ends the process, as a kill does, instead of the n-th call.
+class DeadlyCalls : public SystemCalls {
+  public:
+    DeadlyCalls(int n, bool with_exchange) : n_(n), with_exchange_(with_exchange) {}
+    int open(const char* path, int flags, mode_t mode) override {
+        strike();
+        return SystemCalls::open(path, flags, mode);
+    }
+    ssize_t write(int descriptor, const void* data, std::size_t size) override {
+        strike();
+        return SystemCalls::write(descriptor, data, std::min<std::size_t>(size, 7));
+    }
+    int fsync(int descriptor) override {
+        strike();
+        return SystemCalls::fsync(descriptor);
+    }
+    int rename(const char* from, const char* to) override {
+        strike();
+        return SystemCalls::rename(from, to);
+    }
+    int exchange(const char* one, const char* other) override {
+        strike();
+        if (with_exchange_) return SystemCalls::exchange(one, other);
+        errno = ENOSYS;
+        return -1;
+    }
+    int unlink(const char* path) override {
+        strike();
+        return SystemCalls::unlink(path);
+    }
+
+  private:
+    void strike() {
+        if (++count_ == n_) ::_exit(9);
+    }
+    int n_, count_ = 0;
+    bool with_exchange_;
+};
+
+const std::vector<std::string> set_of_three{"old", "fresh", "third"};
+
+Status write_set(const Folder& folder, SystemCalls& calls) {
+    AtomicFileSet set(calls);
+    for (const std::string& name : set_of_three) {
+        ANATOMESH_CHECK_STATUS(set.add(folder.file(name), "new " + name));
+    }
+    return set.commit();
+}
+
+// Whether a run that was to write the set was killed at the n-th call; `after` is called then.
+bool killed_at(const Folder& folder, int n, bool with_exchange) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+        DeadlyCalls calls(n, with_exchange);
+        ::_exit(write_set(folder, calls).ok() ? 0 : 1);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) != 1);
+    return WEXITSTATUS(status) == 9;
+}
+
+TEST(AtomicFileSet, F04_killed_at_any_call_all_outputs_are_new_after_the_next_start_or_none) {
+    for (const bool with_exchange : {true, false}) {
+        int all_new = 0, none = 0, between = 0;
+        for (int n = 1;; ++n) {
+            const Folder folder;
+            put(folder.file("old"), "old");
+            const bool killed = killed_at(folder, n, with_exchange);
+            if (!killed) break;
+            between += content_of(folder.file("old")) == "new old" && !fs::exists(folder.file("third"));
+            ASSERT_TRUE(check_writable(folder.file("another")).ok());
+            const bool is_new = content_of(folder.file("old")) == "new old";
+            ++(is_new ? all_new : none);
+            for (const std::string& name : set_of_three) {
+                const std::string before = name == "old" ? "old" : "";
+                EXPECT_EQ(content_of(folder.file(name)), is_new ? "new " + name : before) << n;
+            }
+            EXPECT_EQ(folder.entries(), is_new ? 3u : 1u) << n;
+        }
+        EXPECT_GT(all_new, 3);
+        EXPECT_GT(none, 10);
+        EXPECT_GT(between, 0) << "never killed between two renames: the test shows nothing";
+    }
+}
+
+// What somebody wrote after the kill is his.
+TEST(AtomicFileSet, F04_a_target_that_changed_since_the_kill_stays) {
+    for (int n = 1;; ++n) {
+        const Folder folder;
+        put(folder.file("old"), "old");
+        if (!killed_at(folder, n, true)) break;
+        put(folder.file("third"), "of the user");
+        ASSERT_TRUE(check_writable(folder.file("another")).ok());
+        EXPECT_EQ(content_of(folder.file("third")), "of the user") << n;
+    }
+}
+
+// Nobody can have files of another user renamed, or files that are none of a run's.
+TEST(AtomicFileSet, F04_journals_of_others_and_damaged_ones_do_nothing) {
+    const Folder folder;
+    pid_t dead = ::fork();
+    if (dead == 0) ::_exit(0);
+    ::waitpid(dead, nullptr, 0);
+    // The name of a temporary file tells the machine's tag.
+    std::string journal;
+    {
+        auto mine = AtomicFile::create(folder.file("a"));
+        ASSERT_TRUE(mine.ok());
+        for (const auto& entry : fs::directory_iterator(folder.path)) journal = entry.path().string();
+    }
+    const std::string own = std::to_string(::getpid());
+    journal.replace(journal.find("-" + own + "-"), own.size() + 2, "-" + std::to_string(dead) + "-");
+    const std::string temporary = journal;
+    journal += ".set";
+    put(folder.file("victim"), "old");
+    put(folder.file("evil"), "evil");
+    const std::string zero(1, '\0');
+    const auto journal_of = [&](const std::string& from) {
+        return from + zero + folder.file("victim") + zero + "none" + zero + "none" + zero + "end of the set" +
+               zero;
+    };
+    std::mt19937 random(8);
+    for (int round = 0; round < 300; ++round) {
+        std::string bytes = journal_of(round % 2 ? folder.file("evil") : temporary);
+        for (int flips = round % 5; flips > 0; --flips) bytes[random() % bytes.size()] ^= 1 << random() % 8;
+        if (round % 3 == 0) bytes.resize(random() % bytes.size());
+        put(journal, bytes);
+        ASSERT_TRUE(check_writable(folder.file("another")).ok());
+        ASSERT_EQ(content_of(folder.file("victim")), "old");
+        ASSERT_EQ(content_of(folder.file("evil")), "evil");
+    }
+    if (::geteuid() != 0) return;  // none but root can make files of another user
+    put(temporary, "evil");
+    struct stat state {};
+    ASSERT_EQ(::stat(temporary.c_str(), &state), 0);
+    put(journal, journal_of(temporary));
+    ASSERT_EQ(::chown(journal.c_str(), 12345, 12345), 0);
+    ASSERT_TRUE(check_writable(folder.file("another")).ok());
+    EXPECT_EQ(content_of(folder.file("victim")), "old");
+    EXPECT_TRUE(fs::exists(journal)) << "a journal of another user is left alone";
+}
+
 TEST(AtomicFile, F04_temporaries_of_living_runs_and_other_files_stay) {
     const Folder folder;
     auto living = AtomicFile::create(folder.file("a"));
