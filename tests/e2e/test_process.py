@@ -36,7 +36,7 @@ class Process(harness.TestCase):
         self.assertEqual(model.exists(), whole, settings)
         return done.returncode, done.stderr, hashlib.sha256(model.read_bytes()).hexdigest() if whole else None
 
-    def test_rounding_modes_of_others_change_no_byte(self):
+    def test_M14_rounding_modes_of_others_change_no_byte(self):
         expected = self.model()
         self.assertEqual(expected[0], 0, expected[1])
         for rounding in ("up", "down", "zero"):

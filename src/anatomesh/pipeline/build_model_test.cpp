@@ -44,7 +44,7 @@ TEST(BuildModel, sphere) {
 }
 
 // A caller's rounding mode is his own.
-TEST(BuildModel, the_rounding_mode_of_a_caller_changes_no_byte_and_stays) {
+TEST(BuildModel, M14_the_rounding_mode_of_a_caller_changes_no_byte_and_stays) {
     Drawing drawing;
     drawing.add_ball(0, {1, 2, 3}, 9, 1.5, 1);
     drawing.add_ball(1, {9, 2, 3}, 6, 1.5, 1);
