@@ -276,6 +276,27 @@ TEST(DicomChoice, RS30_coordinates_in_cm_or_m) {
     EXPECT_EQ(beside_images(square_set(31.5, 4)).find("E-DCM-038"), std::string::npos);
 }
 
+// In metres all slices lie within the tolerance of the one image at the origin.
+TEST(DicomChoice, RS30_coordinates_in_cm_or_m_that_all_lie_on_one_image) {
+    const Vec3 shift{10, 20, -30};
+    for (const double spacing : {0.6, 1.0, 3.0}) {
+        auto images = ct_series(9, spacing);
+        for (std::size_t k = 0; k < images.size(); ++k)
+            images[k].set(tags::image_position, "DS",
+                          fixtures::numbers({0, 0, spacing * static_cast<double>(k)}));
+        for (const double unit : {1.0, 1000.0}) {
+            ContourSet set = square_set(30, 5);
+            for (Vec3& point : set.points) {
+                point += shift;
+                point = (1 / unit) * Vec3{point.x, point.y, point.z / 3 * spacing};
+            }
+            for (std::size_t k = 0; k < set.slices.size(); ++k)
+                set.slices[k].plane.origin = {0, 0, spacing * static_cast<double>(k) / unit};
+            EXPECT_EQ(beside_images(set, {}, images), unit == 1 ? "" : "E-DCM-038") << spacing;
+        }
+    }
+}
+
 // A cochlea on slices 0.3 mm apart looks like centimetres, but its images say that it is not.
 TEST(DicomChoice, the_word_on_the_unit_is_taken_back_where_images_agree) {
     for (const double z : {30.0, 31.5}) {

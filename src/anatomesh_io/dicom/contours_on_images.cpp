@@ -22,6 +22,12 @@ namespace {
 // [mm; 0 to 1; D digits of files]
 constexpr double same_plane_mm = 0.05;
 
+// Contours nearer to each other along the normal lie in one plane. [mm; > 0; D digits of files]
+constexpr double distinct_planes_mm = 1e-4;
+// More planes of contours on an image in the mean are a shrunken set: its slices lie within the tolerance of one image.
+// [planes; >= 2; C]
+constexpr std::uint64_t most_planes_on_image = 3;
+
 enum class Lies : std::uint8_t { on, between, outside, across };
 
 // The planes of a series, parallel to its first one.
@@ -45,24 +51,29 @@ class ImagePlanes {
                                         static_cast<double>(planes_.size() - 1)
                                   : 1;
     }
-    // Where a contour lies when its coordinates are multiplied by `scale`; `away`: from the nearest plane.
-    Lies place_of(const RawContours& contours, const RawContour& contour, double scale, double& away) const {
+    // Where a contour lies when its coordinates are multiplied by `scale`, the nearest image, and how far that is away.
+    struct Place {
+        Lies lies = Lies::across;
+        double away = 0;
+        const DicomFrame* image = nullptr;
+    };
+    Place place_of(const RawContours& contours, const RawContour& contour, double scale) const {
         double low = 1e300, high = -1e300;
         for (std::uint32_t p = 0; p < contour.point_count; ++p) {
             const double height = dot(scale * contours.points[contour.first_point + p], normal());
             low = std::min(low, height);
             high = std::max(high, height);
         }
-        if (high - low > same_plane_mm) return Lies::across;
+        if (high - low > same_plane_mm) return {};
         const Placed& nearest = nearest_to((low + high) / 2);
-        away = std::abs(nearest.height - (low + high) / 2);
+        const double away = std::abs(nearest.height - (low + high) / 2);
         if (low < planes_.front().height - spacing() || high > planes_.back().height + spacing())
-            return Lies::outside;
+            return {Lies::outside, away, nearest.frame};
         bool all_aside = true;
         for (std::uint32_t p = 0; p < contour.point_count && all_aside; ++p)
             all_aside = is_aside(scale * contours.points[contour.first_point + p], *nearest.frame);
-        if (all_aside) return Lies::outside;
-        return away > same_plane_mm ? Lies::between : Lies::on;
+        if (all_aside) return {Lies::outside, away, nearest.frame};
+        return {away > same_plane_mm ? Lies::between : Lies::on, away, nearest.frame};
     }
 
   private:
@@ -92,34 +103,40 @@ class ImagePlanes {
 };
 
 struct Counts {
-    std::uint64_t on = 0, between = 0, outside = 0, planes = 0;
+    std::uint64_t on = 0, between = 0, outside = 0;
+    std::uint64_t planes = 0, images = 0;  // planes of contours, and images that these lie on
     double worst = 0;
+
+    bool all_are_on() const { return on > 0 && between + outside == 0; }
+    bool are_crowded() const { return planes >= most_planes_on_image * std::max<std::uint64_t>(images, 1); }
 };
 
 Counts count_places(const RawContours& contours, const ImagePlanes& images, double scale) {
     Counts counts;
+    std::set<const DicomFrame*> used;
     double before = 1e300;
     for (const RawContour& contour : contours.contours) {
         if (contour.point_count == 0) continue;
-        double away = 0;
-        const Lies lies = images.place_of(contours, contour, scale, away);
+        const auto [lies, away, image] = images.place_of(contours, contour, scale);
         counts.on += lies == Lies::on;
         counts.between += lies == Lies::between;
         counts.outside += lies == Lies::outside;
         if (lies == Lies::between) counts.worst = std::max(counts.worst, away);
+        if (lies == Lies::on) used.insert(image);
         const double height = dot(contours.points[contour.first_point], images.normal());
-        counts.planes += std::abs(height - before) > 1e-3;
+        counts.planes += std::abs(height - before) > distinct_planes_mm;
         before = height;
     }
+    counts.images = used.size();
     return counts;
 }
 
-// Coordinates that do not fit the images as mm, and all of them as another unit.
+// Coordinates that do not fit the images as mm, or all of which lie on a few of them, and that fit as another unit.
 Status check_unit(const RawContours& contours, const ImagePlanes& images, const Counts& as_mm) {
-    if (as_mm.between + as_mm.outside == 0 || as_mm.planes < 3) return Nothing{};
+    if ((as_mm.between + as_mm.outside == 0 && !as_mm.are_crowded()) || as_mm.planes < 3) return Nothing{};
     for (const auto& [scale, unit] : {std::pair{10.0, "cm"}, {1000.0, "m"}}) {
         const Counts scaled = count_places(contours, images, scale);
-        if (scaled.on == 0 || scaled.between + scaled.outside > 0) continue;
+        if (!scaled.all_are_on() || scaled.are_crowded()) continue;
         return Error{
             ErrorKind::input,
             "E-DCM-038",
@@ -170,8 +187,8 @@ Result<bool> check_against_images(const RawContours& contours, const DicomFolder
     if (!accept.unit_is_given) {
         ANATOMESH_CHECK_STATUS(check_unit(contours, planes, counts));
     }
-    const bool are_on_images = counts.on > 0 && counts.between + counts.outside == 0;
-    if (are_on_images)
+    const bool are_on_images = counts.all_are_on();
+    if (are_on_images && !counts.are_crowded())
         std::erase_if(context.warnings, [](const Warning& warning) { return warning.code == "W-RTS-006"; });
     if (counts.outside > 0 && counts.on + counts.between == 0 && !accept.outside)
         return Error{ErrorKind::input,
@@ -199,7 +216,7 @@ Result<std::vector<std::uint32_t>> match_images(const RawContours& contours, con
         const ImagePlanes planes(folder, series.objects);
         if (planes.empty()) continue;
         const Counts counts = count_places(contours, planes, 1);
-        if (counts.on > 0 && counts.between + counts.outside == 0) matches.push_back(&series);
+        if (counts.all_are_on()) matches.push_back(&series);
     }
     if (matches.size() == 1) return matches[0]->objects;
     std::string list;

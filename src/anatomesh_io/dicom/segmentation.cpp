@@ -27,6 +27,12 @@ namespace {
 
 // Directions of frames agree within this, because files round cosines. [1; 0 to 0.1; D digits of files]
 constexpr double same_frame_direction = 1e-3;
+// Places of more decimals are not rounded. [decimals; >= 1; D the rounding would be below the tolerance of the grid]
+constexpr int most_decimals = 3;
+// A place is a whole number of units within it. [units; 0 to 0.5; D digits of a double]
+constexpr double whole_tolerance = 1e-6;
+// First, last and the frame itself may be rounded where it is held against the grid. [roundings; >= 1; D]
+constexpr double most_roundings = 3;
 // A frame may be so far off its place in the grid, because files round positions.
 // [spacings; 0 to 0.5; D digits of files]
 constexpr double grid_tolerance = 0.01;
@@ -177,19 +183,23 @@ class SegmentationReader {
         std::sort(order.begin(), order.end(), [&](auto a, auto b) { return height(a) < height(b); });
         const std::uint32_t first = order.front(), last = order.back();
         const double span = height(last) - height(first);
-        ANATOMESH_TRY(const double spacing, plane_spacing(order, height));
+        ANATOMESH_TRY(const GridSpacing grid, plane_spacing(order, height));
+        const double spacing = grid.mm;
         const double last_slice = std::round(span / spacing);
         if (!(last_slice < static_cast<double>(free_slices + largest_sparseness * frames_.size())))
             return too_large(fmt::format("{:.0f} planes", last_slice + 1));
         slices_ = static_cast<std::uint32_t>(last_slice) + 1;
-        const Vec3 step = slices_ > 1 ? (1 / last_slice) * (frames_[last].position - frames_[first].position)
-                                      : spacing * normal;
+        // First and last frame tell the step better than the header does, unless their places are rounded.
+        const double steps = grid.is_rounded ? span / spacing : last_slice;
+        const Vec3 step =
+            slices_ > 1 ? (1 / steps) * (frames_[last].position - frames_[first].position) : spacing * normal;
         slice_of_frame_.resize(frames_.size());
         for (std::uint32_t f = 0; f < frames_.size(); ++f) {
             const double slice =
                 slices_ > 1 ? std::round((height(f) - height(first)) / span * last_slice) : 0;
             const Vec3 expected = frames_[first].position + slice * step;
-            if (length(expected - frames_[f].position) > grid_tolerance * spacing)
+            if (length(expected - frames_[f].position) >
+                std::max(grid_tolerance * spacing, most_roundings * rounding_of_places()))
                 return error("E-SEG-004", "the frames are not equidistant",
                              fmt::format("off by {:.3g} mm", length(expected - frames_[f].position)), {},
                              frame_name(f));
@@ -216,7 +226,7 @@ class SegmentationReader {
 
     // `order`: the frames from the lowest to the highest.
     template <class Height>
-    Result<double> plane_spacing(const std::vector<std::uint32_t>& order, Height height) const {
+    Result<GridSpacing> plane_spacing(const std::vector<std::uint32_t>& order, Height height) const {
         const auto shared = root_.item(tags::shared_groups);
         const auto per_frame = root_.item(tags::per_frame_groups);
         FrameHeights heights;
@@ -233,14 +243,16 @@ class SegmentationReader {
         const std::vector<double> images = heights_of_images();
         heights.frames = frames;
         heights.images = images;
+        heights.rounding_mm = rounding_of_places();
         const GridSpacing grid = grid_spacing(heights);
         if (grid.source == GridSource::none && frames.back() - frames.front() < 1e-4)
             return error("E-SEG-004", "the segmentation has a single plane and does not state its thickness");
         if (grid.source == GridSource::none)
             return error(
                 "E-SEG-004", "the frames are at uneven distances, and no spacing of planes fits them",
-                heights.thickness_mm ? fmt::format("slice thickness {:.4g} mm", *heights.thickness_mm)
-                                     : std::string{});
+                heights.stated_mm      ? fmt::format("spacing between slices {:.4g} mm", *heights.stated_mm)
+                : heights.thickness_mm ? fmt::format("slice thickness {:.4g} mm", *heights.thickness_mm)
+                                       : std::string{});
         const bool is_stated = heights.stated_mm.value_or(0) != 0 || heights.thickness_mm.value_or(0) > 0;
         if (grid.source == GridSource::frames && !is_stated)
             context_.warn(
@@ -248,6 +260,13 @@ class SegmentationReader {
                  place({}, fmt::format("{:.4g} mm", grid.mm)),
                  "the distances of its frames were taken for it; put the images that it was made of beside "
                  "it"});
+        if (grid.is_rounded)
+            context_.warn(
+                {"W-SEG-009",
+                 fmt::format("the places of the frames are rounded by up to {:.3g} mm, and fit planes "
+                             "{:.4g} mm apart, as the file states",
+                             heights.rounding_mm, grid.mm),
+                 place({}), "they were taken for these planes"});
         if (grid.skips_a_thickness)
             context_.warn(
                 {"W-SEG-007",
@@ -257,7 +276,31 @@ class SegmentationReader {
                  place({}),
                  "they were taken for neighbouring slices with gaps between them, so that nothing is "
                  "missing"});
-        return grid.mm;
+        return grid;
+    }
+
+    // How far the file's rounding moves a frame along the normal at most: half a unit of the last decimal of each coordinate
+    // that differs from frame to frame. 0 where places have many decimals.
+    double rounding_of_places() const {
+        const Vec3 normal = cross(frames_[0].row, frames_[0].column);
+        double rounding = 0;
+        for (const auto coordinate : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+            const bool differs = std::any_of(frames_.begin(), frames_.end(), [&](const auto& frame) {
+                return frame.position.*coordinate != frames_[0].position.*coordinate;
+            });
+            if (!differs) continue;
+            double unit = 1;
+            const auto is_whole = [&](const auto& frame) {
+                const double times = frame.position.*coordinate / unit;
+                return std::abs(times - std::round(times)) < whole_tolerance;
+            };
+            for (int decimals = 0; !std::all_of(frames_.begin(), frames_.end(), is_whole); ++decimals) {
+                if (decimals == most_decimals) return 0;
+                unit /= 10;
+            }
+            rounding += 0.5 * unit * std::abs(normal.*coordinate);
+        }
+        return rounding;
     }
 
     // Of the images beside the segmentation, along the frames' normal.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <set>
@@ -78,6 +79,39 @@ TEST(SegmentationGrid, WhatContradictsTheFramesIsPassedOver) {
     overlapping.images = images;
     EXPECT_NEAR(grid_spacing(overlapping).mm, 2.5, 1e-9) << "they are images of other planes";
     EXPECT_EQ(grid_spacing(overlapping).source, GridSource::frames);
+    frames = {0, 3, 6, 9.5, 12};
+    FrameHeights one_is_off{frames};
+    EXPECT_NEAR(grid_spacing(one_is_off).mm, 0.5, 1e-9);
+    one_is_off.stated_mm = 3;
+    EXPECT_EQ(grid_spacing(one_is_off).source, GridSource::none)
+        << "no spacing is made up beside a stated one";
+}
+
+// Files round places to some decimals, so that the distances of frames are no multiples of anything.
+TEST(SegmentationGrid, PlacesThatFilesRoundLieOnThePlanesThatAreStated) {
+    std::mt19937 random(3);
+    const auto share = [&] { return static_cast<double>(random()) / 4294967296.0; };
+    int rounded = 0;
+    for (int round = 0; round < 400; ++round) {
+        const double unit = std::array{1.0, 0.1, 0.01, 0.001}[static_cast<std::size_t>(round % 4)];
+        const double spacing = unit * (2.5 + 8 * share()), first = 100 * share();
+        std::vector<double> frames;
+        for (int k = 0; k < 40; ++k)
+            if (share() < 0.7) frames.push_back(std::round((first + k * spacing) / unit) * unit);
+        if (frames.size() < 2) continue;
+        FrameHeights heights{frames};
+        heights.rounding_mm = unit / 2;
+        (round % 8 < 4 ? heights.stated_mm : heights.thickness_mm) = spacing;
+        const GridSpacing grid = grid_spacing(heights);
+        EXPECT_NEAR(grid.mm, spacing, 1e-9) << unit << " " << spacing;
+        rounded += grid.is_rounded;
+        // Frames of planes half as far apart again are none of these.
+        std::vector<double> others;
+        for (int k = 0; k < 12; ++k) others.push_back(std::round((first + 1.5 * k * spacing) / unit) * unit);
+        heights.frames = others;
+        EXPECT_FALSE(grid_spacing(heights).is_rounded) << unit << " " << spacing;
+    }
+    EXPECT_GT(rounded, 300);
 }
 
 // Slices 2 mm thick with gaps of 2 mm are usual; of two frames nobody knows.
