@@ -16,6 +16,7 @@
 #include <system_error>
 #include <utility>
 
+#include "anatomesh_io/file/durable_calls.h"
 #include "anatomesh_io/file/set_journal.h"
 #include "anatomesh_io/file/uninterrupted.h"
 
@@ -129,12 +130,6 @@ bool too_long(const std::string& path) {
     return path.size() - name + std::max<std::size_t>(name, 64) >= PATH_MAX || name > NAME_MAX;
 }
 
-std::string folder_of(const std::string& path) {
-    const std::size_t slash = path.find_last_of('/');
-    if (slash == std::string::npos) return ".";
-    return slash == 0 ? "/" : path.substr(0, slash);
-}
-
 Status check_folder(const std::string& folder, const std::string& path) {
     struct stat status {};
     if (uninterrupted([&] { return ::stat(folder.c_str(), &status); }) != 0) {
@@ -242,30 +237,6 @@ class FileSizeSignalGuard {
     sigset_t signals_{}, before_{};
 };
 
-// 0, or the errno. Linux has closed the descriptor even when close() says EINTR.
-int close_checked(int descriptor, SystemCalls& calls) {
-    return calls.close(descriptor) != 0 && errno != EINTR ? errno : 0;
-}
-
-int fsync_checked(int descriptor, SystemCalls& calls) {
-    while (calls.fsync(descriptor) != 0) {
-        if (errno != EINTR) return errno;
-    }
-    return 0;
-}
-
-// 0, or the errno. File systems that cannot sync a folder say EINVAL: there is nothing more to do then.
-int sync_folder(const std::string& folder, SystemCalls& calls) {
-    int descriptor = -1;
-    do {
-        descriptor = calls.open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC, 0);
-    } while (descriptor < 0 && errno == EINTR);
-    if (descriptor < 0) return errno;
-    const int synced = fsync_checked(descriptor, calls);
-    const int closed = close_checked(descriptor, calls);
-    return synced != 0 && synced != EINVAL ? synced : closed;
-}
-
 }  // namespace
 
 Status check_writable(const std::string& path, SystemCalls& calls) {
@@ -354,7 +325,7 @@ Status AtomicFile::write(std::string_view data) {
 
 Status AtomicFile::finish() {
     assert(!finished_ && descriptor_ >= 0);
-    const int synced = fsync_checked(descriptor_, *calls_);
+    const int synced = sync_checked(descriptor_, *calls_);
     const int closed = close_checked(std::exchange(descriptor_, -1), *calls_);
     if (const int why = synced != 0 ? synced : closed; why != 0) {
         return file_error(

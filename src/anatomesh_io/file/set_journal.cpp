@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "anatomesh_io/file/durable_calls.h"
 #include "anatomesh_io/file/uninterrupted.h"
 
 namespace anatomesh {
@@ -46,18 +47,7 @@ int write_all(int descriptor, std::string_view bytes, SystemCalls& calls) {
         if (written <= 0) return written < 0 ? errno : EIO;
         bytes.remove_prefix(static_cast<std::size_t>(written));
     }
-    return uninterrupted([&] { return calls.fsync(descriptor); }) == 0 ? 0 : errno;
-}
-
-int sync_folder_of(const std::string& path, SystemCalls& calls) {
-    const std::size_t slash = path.find_last_of('/');
-    const std::string folder = slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
-    const int descriptor =
-        uninterrupted([&] { return calls.open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC, 0); });
-    if (descriptor < 0) return errno;
-    const int failed = uninterrupted([&] { return calls.fsync(descriptor); }) == 0 ? 0 : errno;
-    calls.close(descriptor);
-    return failed == EINVAL ? 0 : failed;  // file systems that cannot sync a folder say so
+    return sync_checked(descriptor, calls);
 }
 
 // Nothing where it is none of this user's.
@@ -102,7 +92,7 @@ void finish_output(const Entry& entry, std::string_view prefix, SystemCalls& cal
     const bool is_fresh = identity(entry.temporary) == entry.fresh;
     if (is_fresh && identity(entry.target) == entry.before &&
         uninterrupted([&] { return calls.rename(entry.temporary.c_str(), entry.target.c_str()); }) == 0) {
-        sync_folder_of(entry.target, calls);
+        sync_folder(folder_of(entry.target), calls);
         return;
     }
     calls.unlink(entry.temporary.c_str());
@@ -125,8 +115,9 @@ int write_journal(const std::string& path, const std::vector<PendingOutput>& out
         [&] { return calls.open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600); });
     if (descriptor < 0) return errno;
     int failed = write_all(descriptor, bytes, calls);
-    if (calls.close(descriptor) != 0 && errno != EINTR && failed == 0) failed = errno;
-    if (failed == 0) failed = sync_folder_of(path, calls);
+    const int closed = close_checked(descriptor, calls);
+    if (failed == 0) failed = closed;
+    if (failed == 0) failed = sync_folder(folder_of(path), calls);
     if (failed != 0) calls.unlink(path.c_str());
     return failed;
 }

@@ -18,6 +18,7 @@
 #include "anatomesh_io/dicom/dicom_writer.h"
 #include "anatomesh_io/dicom/sha256.h"
 #include "anatomesh_io/dicom/tags.h"
+#include "anatomesh_io/file/durable_calls.h"
 #include "anatomesh_io/file/uninterrupted.h"
 #include "anatomesh_io/network/dcmtk_door.h"
 
@@ -77,13 +78,6 @@ bool make_folder(const std::string& path, bool& made) {
     if (made) return true;
     struct stat state {};
     return errno == EEXIST && ::lstat(path.c_str(), &state) == 0 && S_ISDIR(state.st_mode);
-}
-
-bool sync_folder(const std::string& path, SystemCalls& calls) {
-    const int descriptor = calls.open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC, 0);
-    if (descriptor < 0) return false;
-    const bool synced = calls.fsync(descriptor) == 0;
-    return calls.close(descriptor) == 0 && synced;
 }
 
 std::string parent_of(const std::string& folder) {
@@ -294,9 +288,9 @@ StoreOutcome ObjectStore::Incoming::place(ObjectIdentity identity) {
         return fails("no folder can be made for it");
     if (calls.rename(temporary_.c_str(), target.c_str()) != 0) return fails("it cannot be given its name");
     calls.close(std::exchange(descriptor_, -1));
-    const bool synced = sync_folder(root + series, calls) &&
-                        (!new_series || sync_folder(root + study, calls)) &&
-                        (!new_study || sync_folder(store_->folder_, calls));
+    const bool synced = sync_folder(root + series, calls) == 0 &&
+                        (!new_series || sync_folder(root + study, calls) == 0) &&
+                        (!new_study || sync_folder(store_->folder_, calls) == 0);
     if (!synced) {
         calls.unlink(target.c_str());
         return fails("its folder cannot be synced");
