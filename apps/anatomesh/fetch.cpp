@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -63,6 +64,28 @@ Status check_destination(const FetchVerbOptions& options, const ConnectOptions& 
     return Nothing{};
 }
 
+// An archive counts as failed what was refused here, and may call completed what never came.
+std::uint64_t objects_lost(const FetchResult& result, const FetchVerbOptions& options) {
+    const std::uint64_t refused = std::max(result.failed, result.refused);
+    if (options.folder.empty()) return refused;
+    const std::uint64_t came = result.stored + result.there_already + result.refused;
+    return refused + (result.sent > came ? result.sent - came : 0);
+}
+
+Error loss(const FetchResult& result, std::uint64_t lost, const FetchVerbOptions& options) {
+    Place place{"", "", "", "", options.network.peer};
+    std::string why = "the archive could not send them, or did not";
+    if (!result.refusals.empty()) {
+        const RefusedObject& first = result.refusals.front();
+        why = first.reason;
+        if (!first.path.empty()) place.file = options.folder + "/" + first.path;
+    }
+    return {ErrorKind::file, "E-NET-015",
+            fmt::format("{} did not arrive or cannot be stored: {}", counted(lost, "object"), why),
+            std::move(place),
+            "the objects that arrived are kept; mend what the message names, then run fetch again"};
+}
+
 Status answer_of(const FetchResult& result, const FetchVerbOptions& options, Session& session) {
     nlohmann::ordered_json answer{{"peer", options.network.peer},
                                   {"sent", result.sent},
@@ -72,6 +95,9 @@ Status answer_of(const FetchResult& result, const FetchVerbOptions& options, Ses
                                   {"refused", result.refused},
                                   {"bytes", result.bytes},
                                   {"reasons", result.reasons}};
+    answer["not_stored"] = nlohmann::ordered_json::array();
+    for (const RefusedObject& each : result.refusals)
+        answer["not_stored"].push_back({{"object", each.path}, {"reason", each.reason}});
     std::string text;
     if (options.folder.empty()) {
         text = fmt::format("{} sent to {}\n", counted(result.sent, "object"), options.fetch.move_to);
@@ -82,14 +108,8 @@ Status answer_of(const FetchResult& result, const FetchVerbOptions& options, Ses
     }
     ANATOMESH_CHECK_STATUS(give_summary(session, std::move(answer), text));
     const Place place{"", "", "", "", options.network.peer};
-    if (result.failed + result.refused > 0) {
-        const std::string why =
-            result.reasons.empty() ? "the archive could not send them" : result.reasons.front();
-        return Error{
-            ErrorKind::file, "E-NET-015",
-            fmt::format("{} did not arrive: {}", counted(result.failed + result.refused, "object"), why),
-            place, "the objects that arrived are kept; run fetch again"};
-    }
+    if (const std::uint64_t lost = objects_lost(result, options); lost > 0)
+        return loss(result, lost, options);
     if (result.sent + result.stored + result.there_already == 0)
         return Error{ErrorKind::input, "E-NET-023", "the archive has no objects of these UIDs", place,
                      "list its objects with anatomesh query"};

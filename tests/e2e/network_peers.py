@@ -63,14 +63,18 @@ def write_study(folder, **changes):
     return folder, folder.parent / "rs.dcm"
 
 
+# Root reads whatever file there is, unless it gives that right away.
+WITHOUT_ROOT_RIGHTS = ("setpriv", "--bounding-set", "-dac_override,-dac_read_search") if os.geteuid() == 0 else ()
+
+
 class Receiver:
     """`anatomesh receive` as a process."""
 
-    def __init__(self, test, *options, folder="incoming", title="ANATOMESH", port=0):
+    def __init__(self, test, *options, folder="incoming", title="ANATOMESH", port=0, launcher=()):
         self.folder = test.folder / folder
         self.title = title
         self.lines = []
-        self.process = subprocess.Popen([harness.PROGRAM, "receive", str(self.folder), "--port", str(port), "--title", title,
+        self.process = subprocess.Popen([*launcher, harness.PROGRAM, "receive", str(self.folder), "--port", str(port), "--title", title,
                                          "--json", *map(str, options)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                         stderr=subprocess.PIPE, text=True)
         test.addCleanup(self.kill)
@@ -181,6 +185,21 @@ def element(group, number, vr, value):
 def data_set(instance, study=b"1.2.3", series=b"1.2.3.4", payload=b"xx"):
     return (element(8, 0x16, "UI", CT.encode()) + element(8, 0x18, "UI", instance) + element(0x20, 0xD, "UI", study)
             + element(0x20, 0xE, "UI", series) + element(0x7FE0, 0x10, "OW", payload))
+
+
+def dicom_file(instance, study=b"1.2.3", series=b"1.2.3.4", payload=b"xx"):
+    """data_set() as a file."""
+    meta = (element(2, 1, "OB", b"\0\1") + element(2, 2, "UI", CT.encode()) + element(2, 3, "UI", instance)
+            + element(2, 0x10, "UI", EXPLICIT.encode()) + element(2, 0x12, "UI", b"1.2.3"))
+    return bytes(128) + b"DICM" + element(2, 0, "UL", struct.pack("<I", len(meta))) + meta + data_set(instance, study, series, payload)
+
+
+MULTIPART = "multipart/related; type=\"application/dicom\"; boundary=b"
+
+
+def multipart(*files):
+    """An answer of WADO-RS, of the type MULTIPART."""
+    return b"".join(b"--b\r\nContent-Type: application/dicom\r\n\r\n" + each + b"\r\n" for each in files) + b"--b--\r\n"
 
 
 def closes_within(connection, seconds):

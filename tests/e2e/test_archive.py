@@ -170,14 +170,32 @@ class HostileServices(harness.TestCase):
 
     def test_answers_to_a_retrieval(self):
         good = b"--b\r\nContent-Type: application/dicom\r\n\r\n" + b"x" * 1000 + b"\r\n--b--"
-        multipart = "multipart/related; type=\"application/dicom\"; boundary=b"
-        for kind, content, code in ((multipart, good, "E-NET-015"), (multipart, good[:500], "E-NET-018"),
+        for kind, content, code in ((peers.MULTIPART, good, "E-NET-015"), (peers.MULTIPART, good[:500], "E-NET-018"),
                                     ("application/dicom", good, "E-NET-018"), ("multipart/related", good, "E-NET-018"),
-                                    (multipart, b"", "E-NET-018"), (multipart, b"--b\r\n" + b"h" * 100000, "E-NET-018")):
+                                    (peers.MULTIPART, b"", "E-NET-018"),
+                                    (peers.MULTIPART, b"--b\r\n" + b"h" * 100000, "E-NET-018")):
             with WebService(lambda path: (200, kind, content)) as url:
                 self.assert_refused(["fetch", "--from", url, "--study", "1.2", "-o", "x"], 6, code)
         with WebService(lambda path: (404, "text/plain", b"")) as url:
             self.assert_refused(["fetch", "--from", url, "--study", "1.2", "-o", "x"], 3, "E-NET-023")
+
+    def test_A15_what_cannot_be_read_is_never_replaced(self):
+        content = [peers.dicom_file(name, b"1.2", payload=b"one") for name in (b"1.2.7", b"1.2.8")]
+        with WebService(lambda path: (200, peers.MULTIPART, peers.multipart(*content))) as url:
+            fetch = ["fetch", "--from", url, "--study", "1.2", "-o", "in", "--json"]
+            self.run_program(*fetch)
+            self.assertEqual(self.run_program(*fetch).json()["there_already"], 2)
+            there = self.folder / "in/1.2/1.2.3.4/1.2.7.dcm"
+            there.rename(self.folder / "elsewhere.dcm")
+            there.symlink_to(self.folder / "elsewhere.dcm")
+            content[0] = peers.dicom_file(b"1.2.7", b"1.2", payload=b"other")
+            done = self.run_program(*fetch, expect=6)
+        for text in ("E-NET-015", "in/1.2/1.2.3.4/1.2.7.dcm", "it is a link"):
+            self.assertIn(text, done.err)
+        self.assertEqual((done.json()["refused"], done.json()["there_already"]), (1, 1))
+        self.assertEqual(done.json()["not_stored"][0]["object"], "1.2/1.2.3.4/1.2.7.dcm")
+        self.assertTrue(there.is_symlink())
+        self.assertIn(b"one", (self.folder / "elsewhere.dcm").read_bytes())
 
     def test_answers_to_what_is_sent(self):
         study, _ = write_study(self.folder / "study")

@@ -360,6 +360,28 @@ class HostilePeers(harness.TestCase):
         self.assertEqual((answer["stored"], answer["refused"]), (2, 2))
         self.assertEqual(receiver.leftovers(), [])
 
+    def test_A15_what_cannot_be_read_is_never_replaced(self):
+        receiver = Receiver(self, launcher=peers.WITHOUT_ROOT_RIGHTS)
+        with associated(receiver) as connection:
+            for name in (b"1.1", b"1.2"):
+                self.assertEqual(store(connection, name, data_set(name)), 0)
+            locked, linked = receiver.files()
+            before = locked.read_bytes()
+            locked.chmod(0)
+            linked.rename(self.folder / "elsewhere.dcm")
+            linked.symlink_to(self.folder / "elsewhere.dcm")
+            for payload in (b"xx", b"other"):  # the same content cannot be known to be the same
+                self.assertEqual(store(connection, b"1.1", data_set(b"1.1", payload=payload)), 0xC112)
+                self.assertEqual(store(connection, b"1.2", data_set(b"1.2", payload=payload)), 0xC112)
+            self.assertEqual(store(connection, b"1.3", data_set(b"1.3")), 0)
+        locked.chmod(0o600)
+        self.assertEqual(locked.read_bytes(), before)
+        self.assertTrue(linked.is_symlink())
+        answer = receiver.stop()
+        self.assertEqual((answer["stored"], answer["refused"]), (3, 4))
+        self.assertTrue(any("0xC112" in line and "cannot be read and compared" in line for line in receiver.lines))
+        self.assertEqual(receiver.leftovers(), [])
+
     def test_A14_names_that_would_be_paths(self):
         receiver = Receiver(self)
         with associated(receiver) as connection:

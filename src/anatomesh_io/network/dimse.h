@@ -54,6 +54,9 @@ inline constexpr std::uint16_t cannot_understand = 0xC000;
 // This status of our own says that an object with the same UID and other content is there.
 // [code; 0xC000 to 0xCFFF; D]
 inline constexpr std::uint16_t other_content = 0xC111;
+// This status of our own says that something with the same UID is there that cannot be read and compared.
+// [code; 0xC000 to 0xCFFF; D]
+inline constexpr std::uint16_t unreadable_there = 0xC112;
 // This status says that the operation was cancelled. [code; 0xFE00; D DICOM PS3.7, annex C]
 inline constexpr std::uint16_t cancelled = 0xFE00;
 }  // namespace dimse

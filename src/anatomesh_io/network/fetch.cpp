@@ -34,6 +34,8 @@ void count(FetchResult& result, const StoreOutcome& outcome) {
             break;
         case StoreEnd::refused: {
             ++result.refused;
+            if (result.refusals.size() < most_reasons)
+                result.refusals.push_back({outcome.path, outcome.reason});
             const auto& reasons = result.reasons;
             const bool is_new = std::find(reasons.begin(), reasons.end(), outcome.reason) == reasons.end();
             if (is_new && reasons.size() < most_reasons) result.reasons.push_back(outcome.reason);

@@ -19,10 +19,17 @@ struct FetchOptions {
     std::uint16_t port = 0;  // 0: another program is the destination
 };
 
+// An object that came and was not stored.
+struct RefusedObject {
+    std::string path;  // its place in the folder; empty: it does not say who it is
+    std::string reason;
+};
+
 struct FetchResult {
     std::uint64_t stored = 0, there_already = 0, refused = 0, bytes = 0;  // in our folder
     std::uint64_t sent = 0, failed = 0;                                   // as the peer counts
-    std::vector<std::string> reasons;  // why objects were refused here, each once
+    std::vector<std::string> reasons;     // why objects were refused here, each once
+    std::vector<RefusedObject> refusals;  // the first ten
 };
 
 // `store` may be null when another program is the destination of a C-MOVE. Errors: those of Requestor,

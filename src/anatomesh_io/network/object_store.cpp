@@ -80,6 +80,12 @@ bool make_folder(const std::string& path, bool& made) {
     return errno == EEXIST && ::lstat(path.c_str(), &state) == 0 && S_ISDIR(state.st_mode);
 }
 
+// Whether nothing has the name. What cannot be looked at counts as something.
+bool is_free(const std::string& path) {
+    struct stat state {};
+    return ::lstat(path.c_str(), &state) != 0 && errno == ENOENT;
+}
+
 std::string parent_of(const std::string& folder) {
     const std::string parent = fs::path(folder).parent_path().string();
     return parent.empty() ? "." : parent;
@@ -244,8 +250,9 @@ StoreOutcome ObjectStore::Incoming::finish() {
         return refused(dimse::out_of_resources, std::string("it cannot be synced: ") + std::strerror(errno));
     ObjectIdentity identity;
     {
-        const MappedFile file(temporary_);
-        if (!file.is_open()) return refused(dimse::out_of_resources, "it cannot be read back");
+        const MappedFile file(temporary_, MappedFile::Links::refused, *store_->calls_);
+        if (!file.is_open())
+            return refused(dimse::out_of_resources, "it cannot be read back: " + file.reason());
         auto found = identify_object(file.bytes(), "the object");
         if (!found.ok()) return refused(dimse::cannot_understand, found.error().message);
         identity = std::move(found).value();
@@ -259,6 +266,28 @@ StoreOutcome ObjectStore::Incoming::finish() {
     return place(std::move(identity));
 }
 
+// An object whose name is taken. Only what is read and found equal counts as there, and nothing takes the place
+// of what cannot be read: it may be the one object of this UID that somebody has planned with.
+StoreOutcome ObjectStore::Incoming::compare_with(const std::string& target, StoreOutcome outcome) {
+    const MappedFile there(target, MappedFile::Links::refused, *store_->calls_);
+    if (!there.is_open()) {
+        outcome.status = dimse::unreadable_there;
+        outcome.reason = "what is there under its UID cannot be read and compared: " + there.reason();
+        return outcome;
+    }
+    const MappedFile made(temporary_, MappedFile::Links::refused, *store_->calls_);
+    if (!made.is_open()) {
+        outcome.status = dimse::out_of_resources;
+        outcome.reason = "it cannot be read back: " + made.reason();
+        return outcome;
+    }
+    const bool equal = there.bytes() == made.bytes();
+    outcome.end = equal ? StoreEnd::there_already : StoreEnd::refused;
+    outcome.status = equal ? dimse::success : dimse::other_content;
+    if (!equal) outcome.reason = "an object of the same UID with other content is there";
+    return outcome;
+}
+
 StoreOutcome ObjectStore::Incoming::place(ObjectIdentity identity) {
     SystemCalls& calls = *store_->calls_;
     const std::string root = store_->folder_ + "/";
@@ -268,16 +297,7 @@ StoreOutcome ObjectStore::Incoming::place(ObjectIdentity identity) {
     outcome.identity = std::move(identity);
     outcome.bytes = bytes_;
     const std::string target = root + outcome.path;
-    {
-        const MappedFile there(target), made(temporary_);
-        if (there.is_open()) {
-            const bool equal = made.is_open() && there.bytes() == made.bytes();
-            outcome.end = equal ? StoreEnd::there_already : StoreEnd::refused;
-            outcome.status = equal ? dimse::success : dimse::other_content;
-            if (!equal) outcome.reason = "an object of the same UID with other content is there";
-            return outcome;
-        }
-    }
+    if (!is_free(target)) return compare_with(target, std::move(outcome));
     const auto fails = [&](const std::string& what) {
         outcome.status = dimse::out_of_resources;
         outcome.reason = what + ": " + std::strerror(errno);
@@ -301,19 +321,28 @@ StoreOutcome ObjectStore::Incoming::place(ObjectIdentity identity) {
     return outcome;
 }
 
-MappedFile::MappedFile(const std::string& path, Links links) {
+MappedFile::MappedFile(const std::string& path, Links links, SystemCalls& calls) {
     const int follow = links == Links::followed ? 0 : O_NOFOLLOW;
-    const int descriptor =
-        uninterrupted([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | follow); });
-    if (descriptor < 0) return;
+    const int descriptor = uninterrupted(
+        [&] { return calls.open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | follow, 0); });
+    if (descriptor < 0) {
+        reason_ = errno == ELOOP ? "it is a link" : std::strerror(errno);
+        return;
+    }
     struct stat state {};
-    if (uninterrupted([&] { return ::fstat(descriptor, &state); }) == 0 && S_ISREG(state.st_mode)) {
+    if (uninterrupted([&] { return ::fstat(descriptor, &state); }) != 0) {
+        reason_ = std::strerror(errno);
+    } else if (!S_ISREG(state.st_mode)) {
+        reason_ = "it is no regular file";
+    } else {
         const auto size = static_cast<std::size_t>(state.st_size);
         void* memory = size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0) : nullptr;
         if (memory != MAP_FAILED) {
             data_ = static_cast<const char*>(memory);
             size_ = size;
             is_open_ = true;
+        } else {
+            reason_ = std::strerror(errno);
         }
     }
     ::close(descriptor);

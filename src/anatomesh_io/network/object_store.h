@@ -73,12 +73,14 @@ class ObjectStore {
         void begin_data_set();
         void write(std::string_view bytes);
         // Checks and places the object. An object that is there already with the same content is success;
-        // with other content it is refused, and the one that is there stays.
+        // with other content it is refused. What has its name and cannot be read and compared refuses it too
+        // (a file without permission, a link, no descriptor or memory left). What is there always stays.
         StoreOutcome finish();
 
       private:
         StoreOutcome refused(std::uint16_t status, std::string reason);
         StoreOutcome place(ObjectIdentity identity);
+        StoreOutcome compare_with(const std::string& target, StoreOutcome outcome);
 
         ObjectStore* store_;
         ObjectLabel label_;  // empty fields: not stated
@@ -111,17 +113,21 @@ std::string meta_header(const ObjectLabel& label);
 class MappedFile {
   public:
     enum class Links : std::uint8_t { refused, followed };
-    explicit MappedFile(const std::string& path, Links links = Links::refused);
+    explicit MappedFile(const std::string& path, Links links = Links::refused,
+                        SystemCalls& calls = SystemCalls::real());
     MappedFile(const MappedFile&) = delete;
     MappedFile& operator=(const MappedFile&) = delete;
     ~MappedFile();
     bool is_open() const { return is_open_; }
     std::string_view bytes() const { return {data_, size_}; }
+    // Why it is not open.
+    const std::string& reason() const { return reason_; }
 
   private:
     const char* data_ = nullptr;
     std::size_t size_ = 0;
     bool is_open_ = false;
+    std::string reason_;
 };
 
 }  // namespace anatomesh

@@ -1,12 +1,14 @@
 #include "anatomesh_io/network/object_store.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <random>
 
 #include "anatomesh_io/dicom/dicom_writer.h"
@@ -194,6 +196,79 @@ TEST_F(Store, A13_a_disk_that_fails_at_any_call) {
         }
         EXPECT_EQ(outcome.status, dimse::out_of_resources) << n;
         EXPECT_TRUE(files().empty()) << n;
+    }
+}
+
+// What is at the name of an object, and how it looks afterwards: type, target of a link, size.
+std::string look_of(const std::string& path) {
+    struct stat state {};
+    if (::lstat(path.c_str(), &state) != 0) return "nothing";
+    const std::string link = S_ISLNK(state.st_mode) ? fs::read_symlink(path).string() : "";
+    return std::to_string(state.st_mode) + " " + std::to_string(state.st_ino) + " " +
+           std::to_string(state.st_size) + " " + link;
+}
+
+TEST_F(Store, A15_what_cannot_be_read_and_compared_is_never_replaced) {
+    const std::string data = data_set("1.2.5"), series = folder + "/store/1.2.3/1.2.3.4";
+    const std::string target = series + "/1.2.5.dcm", elsewhere = folder + "/elsewhere.dcm";
+    std::ofstream(elsewhere) << meta_header({ct_class, "1.2.5", explicit_little_syntax}) << data;
+    const std::vector<std::function<void()>> takers{
+        [&] { fs::create_symlink(elsewhere, target); },  // of the same content
+        [&] { fs::create_symlink("nowhere", target); }, [&] { fs::create_directory(target); },
+        [&] { ASSERT_EQ(::mkfifo(target.c_str(), 0600), 0); },
+        [&] {  // larger than what is left of the address space
+            std::ofstream(target) << "x";
+            fs::resize_file(target, std::uintmax_t{1} << 40);
+        }};
+    for (std::size_t i = 0; i < takers.size(); ++i) {
+        fs::remove_all(folder + "/store");
+        fs::create_directories(series);
+        takers[i]();
+        const std::string before = look_of(target);
+        ObjectStore store = open();
+        struct rlimit limit {};
+        ASSERT_EQ(::getrlimit(RLIMIT_AS, &limit), 0);
+        std::uint64_t pages = 0;
+        std::ifstream("/proc/self/statm") >> pages;
+        const struct rlimit less {
+            pages* static_cast<std::uint64_t>(::getpagesize()) + (std::uint64_t{1} << 30), limit.rlim_max
+        };
+        ASSERT_EQ(::setrlimit(RLIMIT_AS, &less), 0);
+        const StoreOutcome outcome = put(store, "1.2.5", data);
+        ASSERT_EQ(::setrlimit(RLIMIT_AS, &limit), 0);
+        EXPECT_EQ(outcome.end, StoreEnd::refused) << i;
+        EXPECT_EQ(outcome.status, dimse::unreadable_there) << i;
+        EXPECT_NE(outcome.reason.find("cannot be read"), std::string::npos) << i;
+        EXPECT_EQ(look_of(target), before) << i;
+    }
+    EXPECT_EQ(fs::file_size(elsewhere),
+              data.size() + 0u + meta_header({ct_class, "1.2.5", explicit_little_syntax}).size());
+}
+
+TEST_F(Store, A15_another_content_never_replaces_an_object_whichever_call_fails) {
+    const std::string target = folder + "/store/1.2.3/1.2.3.4/1.2.5.dcm";
+    for (const int with : {EACCES, EMFILE, ENFILE, ENOMEM, EIO}) {
+        for (int n = 0;; ++n) {
+            ASSERT_LT(n, 100);
+            fs::remove_all(folder + "/store");
+            fs::create_directory(folder + "/store");
+            {
+                ObjectStore store = open();
+                ASSERT_EQ(put(store, "1.2.5", data_set("1.2.5")).end, StoreEnd::stored);
+            }
+            const std::string before = look_of(target);
+            Failing calls(n, with);
+            ObjectStore store = open({}, calls);
+            const StoreOutcome outcome = put(store, "1.2.5", data_set("1.2.5", "1.2.3", "1.2.3.4", "other"));
+            EXPECT_EQ(outcome.end, StoreEnd::refused) << n;
+            EXPECT_EQ(look_of(target), before) << n;
+            EXPECT_EQ(files().size(), 1u) << n;
+            if (!calls.has_failed()) {
+                EXPECT_EQ(outcome.status, dimse::other_content);
+                EXPECT_GT(n, 4);
+                break;
+            }
+        }
     }
 }
 
