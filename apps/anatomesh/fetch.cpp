@@ -26,6 +26,7 @@ struct FetchVerbOptions {
     FetchOptions fetch;
     std::string folder;
     std::uint32_t port = 0;
+    double quota_mb = 0;  // 0: none
     bool address_given = false;
 };
 
@@ -58,6 +59,9 @@ Status check_destination(const FetchVerbOptions& options, const ConnectOptions& 
     if (receives && options.folder.empty())
         return usage_error("E-CMD-001", "the folder for the fetched objects is missing", "",
                            "give -o FOLDER");
+    if (!receives && options.quota_mb > 0)
+        return usage_error("E-CMD-008", "--quota does not apply: the archive sends to another program", "",
+                           "leave out --quota, or give --port to receive here");
     if (!receives && !options.folder.empty())
         return usage_error("E-CMD-008", "-o does not apply: the archive sends to another program", "",
                            "leave out -o, or give --port to receive here");
@@ -66,9 +70,9 @@ Status check_destination(const FetchVerbOptions& options, const ConnectOptions& 
 
 // An archive counts as failed what was refused here, and may call completed what never came.
 std::uint64_t objects_lost(const FetchResult& result, const FetchVerbOptions& options) {
-    const std::uint64_t refused = std::max(result.failed, result.refused);
+    const std::uint64_t refused = std::max(result.failed, result.refused + result.unasked) - result.unasked;
     if (options.folder.empty()) return refused;
-    const std::uint64_t came = result.stored + result.there_already + result.refused;
+    const std::uint64_t came = result.stored + result.there_already + result.refused + result.unasked;
     return refused + (result.sent > came ? result.sent - came : 0);
 }
 
@@ -86,6 +90,20 @@ Error loss(const FetchResult& result, std::uint64_t lost, const FetchVerbOptions
             "the objects that arrived are kept; mend what the message names, then run fetch again"};
 }
 
+// Other objects than those asked for are no harmless surplus: who sends them may have mixed up patients.
+Error strangers(const FetchResult& result, std::uint64_t lost, const FetchVerbOptions& options) {
+    return {
+        ErrorKind::file,
+        "E-NET-024",
+        fmt::format("the archive sent {} that {} not asked for: {} not stored; {} stored or there already{}",
+                    counted(result.unasked, "object"), result.unasked == 1 ? "was" : "were",
+                    result.unasked == 1 ? "it is" : "they are",
+                    counted(result.stored + result.there_already, "object"),
+                    lost > 0 ? fmt::format(", {} did not arrive", counted(lost, "object")) : ""),
+        {"", "", "", "", options.network.peer},
+        "do not use the study before the archive's operator has looked into it: it may mix up patients"};
+}
+
 Status answer_of(const FetchResult& result, const FetchVerbOptions& options, Session& session) {
     nlohmann::ordered_json answer{{"peer", options.network.peer},
                                   {"sent", result.sent},
@@ -93,6 +111,7 @@ Status answer_of(const FetchResult& result, const FetchVerbOptions& options, Ses
                                   {"stored", result.stored},
                                   {"there_already", result.there_already},
                                   {"refused", result.refused},
+                                  {"not_asked_for", result.unasked},
                                   {"bytes", result.bytes},
                                   {"reasons", result.reasons}};
     answer["not_stored"] = nlohmann::ordered_json::array();
@@ -108,8 +127,9 @@ Status answer_of(const FetchResult& result, const FetchVerbOptions& options, Ses
     }
     ANATOMESH_CHECK_STATUS(give_summary(session, std::move(answer), text));
     const Place place{"", "", "", "", options.network.peer};
-    if (const std::uint64_t lost = objects_lost(result, options); lost > 0)
-        return loss(result, lost, options);
+    const std::uint64_t lost = objects_lost(result, options);
+    if (result.unasked > 0) return strangers(result, lost, options);
+    if (lost > 0) return loss(result, lost, options);
     if (result.sent + result.stored + result.there_already == 0)
         return Error{ErrorKind::input, "E-NET-023", "the archive has no objects of these UIDs", place,
                      "list its objects with anatomesh query"};
@@ -125,6 +145,7 @@ Status run_fetch(FetchVerbOptions options, Session& session) {
     std::optional<ObjectStore> store;
     if (!options.folder.empty()) {
         ObjectStoreOptions storing;
+        storing.quota_bytes = static_cast<std::uint64_t>(options.quota_mb * 1e6);
         storing.max_object_bytes = session.limits.input.max_file_bytes;
         ANATOMESH_TRY(ObjectStore opened, ObjectStore::open(options.folder, storing));
         store.emplace(std::move(opened));
@@ -161,8 +182,9 @@ Work declare_fetch(CLI::App& verb) {
     add_text(verb, "--address", options->fetch.address, "ADDRESS",
              "With --port: network address to listen at. Default: 127.0.0.1.")
         ->each([options](const std::string&) { options->address_given = true; });
+    add_quota_option(verb, options->quota_mb);
     group_new_options(verb, option_group::request);
-    verb.get_option("--output")->group(option_group::outputs);
+    for (const char* name : {"--output", "--quota"}) verb.get_option(name)->group(option_group::outputs);
     return [options](Session& session) { return run_fetch(*options, session); };
 }
 

@@ -48,6 +48,11 @@ void add_timeout_option(CLI::App& verb, double& seconds) {
                "Give up if the other side is silent for this long, 0.1 to 3600 s. Default: 30.");
 }
 
+void add_quota_option(CLI::App& verb, double& megabytes) {
+    add_number(verb, "--quota", megabytes, 0.001, 1e9, "MB",
+               "Largest size of the folder in megabytes, 0.001 to 1e9. Default: no limit.");
+}
+
 void add_tls_files(CLI::App& verb, TlsFiles& files) {
     add_text(verb, "--tls-certificate", files.certificate, "FILE",
              "Certificate of this program for TLS, a PEM file.");

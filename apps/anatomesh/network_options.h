@@ -23,6 +23,8 @@ void add_network_options(CLI::App& verb, const std::string& name, NetworkOptions
 // --title, --timeout and the files of TLS alone.
 void add_title_option(CLI::App& verb, std::string& title);
 void add_timeout_option(CLI::App& verb, double& seconds);
+// --quota, of the folder that objects go to.
+void add_quota_option(CLI::App& verb, double& megabytes);
 void add_tls_files(CLI::App& verb, TlsFiles& files);
 
 // A wrong use of the command line; `value`: what was given.

@@ -114,7 +114,7 @@ Status run_receive(ReceiveVerbOptions options, Session& session) {
     };
     hooks.log = say;
     hooks.ended = [&](const StoreOutcome& outcome) {
-        if (outcome.end == StoreEnd::refused) return;
+        if (outcome.end != StoreEnd::stored && outcome.end != StoreEnd::there_already) return;
         series.insert(outcome.path.substr(0, outcome.path.rfind('/')));
         studies.insert(outcome.path.substr(0, outcome.path.find('/')));
         if (watch) watch->arrived(outcome);
@@ -164,8 +164,7 @@ Work declare_receive(CLI::App& verb) {
     add_count(verb, "--associations", receiver.associations, 1, 1000,
               "Connections at the same time, 1 to 1000. Default: 8.");
     add_timeout_option(verb, receiver.timeout_seconds);
-    add_number(verb, "--quota", options->quota_mb, 0.001, 1e9, "MB",
-               "Largest size of the folder in megabytes, 0.001 to 1e9. Default: no limit.");
+    add_quota_option(verb, options->quota_mb);
     add_tls_files(verb, options->tls);
     verb.add_flag("--plain", options->plain, "Accept connections of other machines without TLS encryption.");
     group_new_options(verb, option_group::connection);

@@ -377,7 +377,7 @@ class WebService:
         self.url = f"{'https' if tls else 'http'}://127.0.0.1:{self.server.server_address[1]}/web"
 
     def __enter__(self):
-        threading.Thread(target=self.server.serve_forever, daemon=True).start()
+        threading.Thread(target=self.server.serve_forever, args=(0.02,), daemon=True).start()
         return self.url
 
     def __exit__(self, *_):

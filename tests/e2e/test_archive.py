@@ -197,6 +197,36 @@ class HostileServices(harness.TestCase):
         self.assertTrue(there.is_symlink())
         self.assertIn(b"one", (self.folder / "elsewhere.dcm").read_bytes())
 
+    def test_what_was_not_asked_for_is_not_stored(self):
+        asked = {"--study": b"1.2", "--series": b"1.2.3", "--instance": b"1.2.3.4"}
+        right = peers.dicom_file(b"1.2.3.4", b"1.2", b"1.2.3")
+        for given in range(1, 4):
+            options = [str(word, "ascii") if isinstance(word, bytes) else word
+                       for each in list(asked.items())[:given] for word in each]
+            for wrong in range(given):
+                uids = [uid if k != wrong else b"1.99.%d" % k for k, uid in enumerate(asked.values())]
+                stranger = peers.dicom_file(uids[2], uids[0], uids[1])
+                for files in ((stranger,), (right, stranger), (stranger, right)):
+                    folder = f"in{given}{wrong}{len(files)}{files[0] is right}"
+                    with WebService(lambda path: (200, peers.MULTIPART, peers.multipart(*files))) as url:
+                        done = self.run_program("fetch", "--from", url, *options, "-o", folder, "--json", expect=6)
+                    self.assertIn("E-NET-024", done.err)
+                    answer = done.json()
+                    self.assertEqual((answer["not_asked_for"], answer["stored"]), (1, len(files) - 1))
+                    self.assertEqual([str(path.relative_to(self.folder / folder)) for path in (self.folder / folder).rglob("*.dcm")],
+                                     ["1.2/1.2.3/1.2.3.4.dcm"][:len(files) - 1])
+
+    def test_A13_the_quota_of_a_fetch(self):
+        files = [peers.dicom_file(b"1.2.%d" % k, b"1.2", payload=bytes(60000)) for k in range(3)]
+        with WebService(lambda path: (200, peers.MULTIPART, peers.multipart(*files))) as url:
+            fetch = ["fetch", "--from", url, "--study", "1.2", "-o", "in", "--json"]
+            done = self.run_program(*fetch, "--quota", "0.13", expect=6)
+            self.assertIn("quota", done.err)
+            self.assertEqual((done.json()["stored"], done.json()["refused"]), (2, 1))
+            self.assertLess(sum(path.stat().st_size for path in (self.folder / "in").rglob("*.dcm")), 130000)
+            self.assertEqual(self.run_program(*fetch, "--quota", "0.2").json()["stored"], 1)
+        self.assert_refused(["fetch", "--from", "A@h", "--study", "1.2", "--move-to", "B", "--quota", "1"], 2, "E-CMD-008")
+
     def test_answers_to_what_is_sent(self):
         study, _ = write_study(self.folder / "study")
         stored = '{"00081199":{"vr":"SQ","Value":[%s]}}' % ",".join(

@@ -42,6 +42,8 @@ inline constexpr std::uint16_t pending = 0xFF00;
 // This status says so too, where a key of the query was not heeded.
 // [code; 0xFF01; D DICOM PS3.4, section C.4]
 inline constexpr std::uint16_t pending_with_warning = 0xFF01;
+// This status says that the peer may not do this. [code; 0x0124; D DICOM PS3.7, annex C]
+inline constexpr std::uint16_t not_authorized = 0x0124;
 // This status says that the operation is not known. [code; 0x0211; D DICOM PS3.7, annex C]
 inline constexpr std::uint16_t no_such_operation = 0x0211;
 // This status says that there is no room for the object. [code; 0xA700; D DICOM PS3.4, section B.2.3]

@@ -32,8 +32,9 @@ void count(FetchResult& result, const StoreOutcome& outcome) {
         case StoreEnd::there_already:
             ++result.there_already;
             break;
+        case StoreEnd::unasked:
         case StoreEnd::refused: {
-            ++result.refused;
+            ++(outcome.end == StoreEnd::unasked ? result.unasked : result.refused);
             if (result.refusals.size() < most_reasons)
                 result.refusals.push_back({outcome.path, outcome.reason});
             const auto& reasons = result.reasons;
@@ -315,6 +316,7 @@ bool has_nothing(const FetchOptions& options, const ConnectOptions& connecting, 
 Result<FetchResult> fetch_objects(ObjectStore* store, const FetchOptions& options,
                                   const ConnectOptions& connecting, const RunContext& context) {
     assert(store || (!options.move_to.empty() && options.port == 0));
+    if (store) store->take_only({options.study, options.series, options.instance});
     if (!connecting.peer.dicom) return get_web(*store, options, connecting, context);
     RequestorOptions asking{*connecting.peer.dicom, connecting.title, connecting.timeout_seconds, nullptr};
     std::optional<TlsContext> tls;

@@ -27,11 +27,14 @@ struct RefusedObject {
 
 struct FetchResult {
     std::uint64_t stored = 0, there_already = 0, refused = 0, bytes = 0;  // in our folder
-    std::uint64_t sent = 0, failed = 0;                                   // as the peer counts
+    std::uint64_t unasked = 0;            // came, but of other UIDs than were asked for: they are not stored
+    std::uint64_t sent = 0, failed = 0;   // as the peer counts
     std::vector<std::string> reasons;     // why objects were refused here, each once
     std::vector<RefusedObject> refusals;  // the first ten
 };
 
+// Only objects of the UIDs in `options` are stored. From then on the store takes no others.
+//
 // `store` may be null when another program is the destination of a C-MOVE. Errors: those of Requestor,
 // HttpClient and receive_objects; E-NET-019 the peer refuses.
 Result<FetchResult> fetch_objects(ObjectStore* store, const FetchOptions& options,

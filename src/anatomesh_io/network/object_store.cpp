@@ -128,6 +128,11 @@ Result<ObjectIdentity> identify_object(std::string_view file, const std::string&
     return identity;
 }
 
+bool ObjectFilter::takes(const ObjectIdentity& identity) const {
+    return (study.empty() || study == identity.study) && (series.empty() || series == identity.series) &&
+           (instance.empty() || instance == identity.sop_instance);
+}
+
 std::string safe_name(std::string_view uid) {
     return is_uid(uid) ? std::string(uid) : "x" + sha256_text(uid).substr(0, 40);
 }
@@ -172,6 +177,7 @@ Result<ObjectStore> ObjectStore::open(const std::string& folder, const ObjectSto
 ObjectStore::ObjectStore(ObjectStore&& other) noexcept
     : folder_(std::move(other.folder_)),
       options_(other.options_),
+      filter_(std::move(other.filter_)),
       calls_(other.calls_),
       lock_(std::exchange(other.lock_, -1)),
       made_(std::exchange(other.made_, false)),
@@ -263,6 +269,11 @@ StoreOutcome ObjectStore::Incoming::finish() {
     if (identity.sop_instance.empty() || identity.study.empty() || identity.series.empty() ||
         !is_storage_class(identity.sop_class))
         return refused(dimse::cannot_understand, "it does not say its class, instance, series and study");
+    if (!store_->filter_.takes(identity)) {
+        StoreOutcome outcome = refused(dimse::not_authorized, "it was not asked for: its UIDs are others");
+        outcome.end = StoreEnd::unasked;
+        return outcome;
+    }
     return place(std::move(identity));
 }
 

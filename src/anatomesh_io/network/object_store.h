@@ -34,7 +34,14 @@ struct ObjectIdentity {
 // Reads the identity from a DICOM file. The layout is checked as a whole. Errors: E-DCL-*.
 Result<ObjectIdentity> identify_object(std::string_view file, const std::string& name);
 
-enum class StoreEnd : std::uint8_t { stored, there_already, refused };
+// What a store takes: objects of this study, series and instance. Empty: of any.
+struct ObjectFilter {
+    std::string study, series, instance;
+    bool takes(const ObjectIdentity& identity) const;
+};
+
+// `unasked`: refused, because the filter of the store does not take it.
+enum class StoreEnd : std::uint8_t { stored, there_already, refused, unasked };
 
 // How an object ended.
 struct StoreOutcome {
@@ -60,6 +67,8 @@ class ObjectStore {
 
     const std::string& folder() const { return folder_; }
     std::uint64_t used_bytes() const { return used_; }
+    // From now on.
+    void take_only(ObjectFilter filter) { filter_ = std::move(filter); }
 
     // An object on its way in. Removed with the object unless finish() stored it.
     class Incoming {
@@ -97,6 +106,7 @@ class ObjectStore {
 
     std::string folder_;
     ObjectStoreOptions options_;
+    ObjectFilter filter_;
     SystemCalls* calls_;
     int lock_ = -1;
     bool made_ = false;  // the folder

@@ -272,6 +272,24 @@ TEST_F(Store, A15_another_content_never_replaces_an_object_whichever_call_fails)
     }
 }
 
+TEST_F(Store, only_what_the_filter_takes_is_stored) {
+    // Every set of UIDs given, and every set of them that is another than the object's.
+    const std::string mine[] = {"1.2", "1.2.3", "1.2.3.4"}, others[] = {"1.3", "1.3.3", "1.3.3.4"};
+    for (unsigned given = 0; given < 8; ++given) {
+        for (unsigned foreign = 0; foreign < 8; ++foreign) {
+            fs::remove_all(folder + "/store");
+            ObjectStore store = open();
+            store.take_only({given & 1 ? mine[0] : "", given & 2 ? mine[1] : "", given & 4 ? mine[2] : ""});
+            const auto uid = [&](unsigned i) { return foreign >> i & 1 ? others[i] : mine[i]; };
+            const StoreOutcome outcome = put(store, uid(2), data_set(uid(2), uid(0), uid(1)));
+            const bool is_asked = (given & foreign) == 0;
+            EXPECT_EQ(outcome.end, is_asked ? StoreEnd::stored : StoreEnd::unasked) << given << foreign;
+            EXPECT_EQ(outcome.status, is_asked ? dimse::success : dimse::not_authorized);
+            EXPECT_EQ(files().size(), is_asked ? 1u : 0u);
+        }
+    }
+}
+
 TEST_F(Store, A12_what_was_not_finished_is_gone) {
     ObjectStore store = open();
     {

@@ -201,12 +201,13 @@ void Receiver::object_ended(Connection& connection, const StoreOutcome& outcome)
             ++summary_.there_already;
             break;
         case StoreEnd::refused:
+        case StoreEnd::unasked:
             ++summary_.refused;
             log_.line(connection.peer,
                       "object refused with " + hexadecimal(outcome.status) + ": " + outcome.reason, now_);
             break;
     }
-    if (outcome.end != StoreEnd::refused)
+    if (outcome.end == StoreEnd::stored || outcome.end == StoreEnd::there_already)
         connection.studies.insert(outcome.path.substr(0, outcome.path.find('/')));
     hooks_.ended(outcome);
 }
