@@ -138,7 +138,7 @@ Status answer_of(const FetchResult& result, const FetchVerbOptions& options, Ses
 
 Status run_fetch(FetchVerbOptions options, Session& session) {
     ANATOMESH_CHECK_STATUS(check_uids(options.fetch));
-    ANATOMESH_TRY(const ConnectOptions connecting, connect_options(options.network));
+    ANATOMESH_TRY(const ConnectOptions connecting, connect_options(options.network, session.limits.request));
     ANATOMESH_CHECK_STATUS(check_destination(options, connecting));
     options.fetch.port = static_cast<std::uint16_t>(options.port);
     RunContext& context = session.context;

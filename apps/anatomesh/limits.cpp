@@ -22,6 +22,9 @@ namespace {
 constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
 constexpr std::uint64_t most_32 = std::numeric_limits<std::uint32_t>::max();
 
+// A request is not given longer. [s; 31536000; D]
+constexpr std::uint64_t seconds_a_year = 365 * 86400;
+
 struct LimitEntry {
     const char* name;
     const char* unit;
@@ -72,6 +75,12 @@ const std::vector<LimitEntry>& entries() {
         entry("memory-bytes", "bytes",
               "memory for a model, as estimated before it is built; 0: 80 % of what there is", most,
               ANATOMESH_FIELD(memory_bytes)),
+        entry("request-seconds", "s", "time of a request to an archive in all", seconds_a_year,
+              ANATOMESH_FIELD(request.seconds)),
+        entry("request-bytes", "bytes", "what an archive sends in answer to a request", most,
+              ANATOMESH_FIELD(request.bytes)),
+        entry("request-answers", "", "answers, reports of progress and objects in answer to a request", most,
+              ANATOMESH_FIELD(request.answers)),
     };
     return all;
 }

@@ -69,6 +69,11 @@ void add_network_options(CLI::App& verb, const std::string& name, NetworkOptions
     group_new_options(verb, option_group::request);
     add_title_option(verb, options.title);
     add_timeout_option(verb, options.timeout_seconds);
+    CLI::Option* timeout = verb.get_option("--timeout");
+    timeout->description(
+        timeout->get_description() +
+        fmt::format(" A request takes at most {} s in all, unless --limit request-seconds=N says otherwise.",
+                    most_request_seconds));
     verb.add_flag("--tls", options.use_tls, "Encrypt the connection to AE@HOST:PORT by TLS.");
     add_tls_files(verb, options.tls);
     add_text(verb, "--user", options.user, "NAME", "User name at the DICOMweb service.");
@@ -82,7 +87,7 @@ Error usage_error(const char* code, std::string message, std::string value, std:
         ErrorKind::usage, code, std::move(message), {"", "", "", "", std::move(value)}, std::move(next_step)};
 }
 
-Result<ConnectOptions> connect_options(const NetworkOptions& options) {
+Result<ConnectOptions> connect_options(const NetworkOptions& options, const RequestLimits& limits) {
     ConnectOptions connecting;
     ANATOMESH_TRY(connecting.peer, parse_peer(options.peer));
     const bool is_web = !connecting.peer.dicom;
@@ -98,6 +103,7 @@ Result<ConnectOptions> connect_options(const NetworkOptions& options) {
                                       "this peer is talked to without TLS");
     connecting.title = options.title;
     connecting.timeout_seconds = options.timeout_seconds;
+    connecting.limits = limits;
     connecting.use_tls = options.use_tls;
     connecting.tls = options.tls;
     connecting.user = options.user;

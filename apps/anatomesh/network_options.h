@@ -32,6 +32,6 @@ Error usage_error(const char* code, std::string message, std::string value, std:
 
 // Reads the password. Errors: E-NET-005 the peer; E-CMD-008 an option that does not apply to it; E-INP-* the
 // password file.
-Result<ConnectOptions> connect_options(const NetworkOptions& options);
+Result<ConnectOptions> connect_options(const NetworkOptions& options, const RequestLimits& limits);
 
 }  // namespace anatomesh

@@ -100,7 +100,7 @@ Status run_query(QueryVerbOptions options, Session& session) {
     for (const std::string& text : options.matches) {
         ANATOMESH_CHECK_STATUS(add_match(text, query));
     }
-    ANATOMESH_TRY(const ConnectOptions connecting, connect_options(options.network));
+    ANATOMESH_TRY(const ConnectOptions connecting, connect_options(options.network, session.limits.request));
     ANATOMESH_TRY(const QueryResult result, query_peer(query, connecting, session.context));
     if (result.is_cut)
         session.context.warn({"W-NET-001",

@@ -25,7 +25,7 @@ struct SendVerbOptions {
 };
 
 Status run_send(const SendVerbOptions& options, Session& session) {
-    ANATOMESH_TRY(const ConnectOptions connecting, connect_options(options.network));
+    ANATOMESH_TRY(const ConnectOptions connecting, connect_options(options.network, session.limits.request));
     RunContext& context = session.context;
     std::uint64_t skipped = 0;
     ANATOMESH_TRY(const std::vector<OutgoingObject> objects, find_objects(options.inputs, skipped, context));

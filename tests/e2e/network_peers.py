@@ -255,6 +255,12 @@ def status_of(body):
     raise AssertionError("no status")
 
 
+def field_of(body):
+    """The Command Field in a P-DATA body."""
+    at = body.index(struct.pack("<HHI", 0, 0x0100, 2))
+    return struct.unpack("<H", body[at + 8:at + 10])[0]
+
+
 def store(connection, instance, content, context=3):
     connection.sendall(data(context, True, True, store_command(instance)) + data(context, False, True, content))
     kind, body = receive_pdu(connection)
@@ -347,6 +353,86 @@ class Orthanc:
                 self.process.kill()
                 self.process.wait()
         self.log.close()
+
+
+class RawService:
+    """Whatever listens at a port: `serve` gets each connection, in a thread of its own, and may fail as it likes."""
+
+    def __init__(self, serve):
+        self.serve = serve
+        self.listener = socket.socket()
+        self.listener.bind(("127.0.0.1", 0))
+        self.listener.listen()
+        self.port = self.listener.getsockname()[1]
+
+    def _accept(self):
+        while True:
+            try:
+                connection = self.listener.accept()[0]
+            except OSError:
+                return
+            threading.Thread(target=self._serve, args=(connection,), daemon=True).start()
+
+    def _serve(self, connection):
+        with connection:
+            connection.settimeout(20)
+            try:
+                self.serve(connection)
+            except OSError:
+                pass  # the other side has closed
+
+    def __enter__(self):
+        threading.Thread(target=self._accept, daemon=True).start()
+        return self
+
+    def __exit__(self, *_):
+        self.listener.shutdown(socket.SHUT_RDWR)
+        self.listener.close()
+
+
+def accept_association(connection):
+    """As a provider that takes whatever is asked for, in the first transfer syntax: its contexts by their classes."""
+    _, body = receive_pdu(connection)
+    answer, at, contexts = body[:68] + item(0x10, b"1.2.840.10008.3.1.1.1"), 68, {}
+    while at < len(body):
+        length = struct.unpack(">H", body[at + 2:at + 4])[0]
+        if body[at] == 0x20:
+            content = body[at + 4:at + 4 + length]
+            end = 8 + struct.unpack(">H", content[6:8])[0]
+            syntax = content[end:]
+            syntax = syntax[:4 + struct.unpack(">H", syntax[2:4])[0]]
+            answer += item(0x21, bytes([content[0], 0, 0, 0]) + syntax)
+            contexts.setdefault(content[8:end].decode(), content[0])
+        at += 4 + length
+    connection.sendall(pdu(2, answer + item(0x50, item(0x51, struct.pack(">I", 16384)) + item(0x52, b"1.2.3"))))
+    return contexts
+
+
+def reply(field, status, **more):
+    """A command that answers request 1; more["data_set"] = 0: a data set follows."""
+    body = struct.pack("<HHIH", 0, 0x100, 2, field) + struct.pack("<HHIH", 0, 0x120, 2, 1)
+    body += struct.pack("<HHIH", 0, 0x800, 2, more.get("data_set", 0x101)) + struct.pack("<HHIH", 0, 0x900, 2, status)
+    for number, value in zip((0x1020, 0x1021, 0x1022, 0x1023), more.get("counts", ())):
+        body += struct.pack("<HHIH", 0, number, 2, value)
+    return struct.pack("<HHII", 0, 0, 4, len(body)) + body
+
+
+class Measured:
+    """A run of the program that may be ended by a signal: exit code, what it said, seconds, and its peak of memory in MB."""
+
+    def __init__(self, *words, folder, ended_after=None):
+        begun = time.monotonic()
+        process = subprocess.Popen([harness.PROGRAM, *map(str, words)], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.PIPE, cwd=folder)
+        if ended_after is not None:
+            time.sleep(ended_after)
+            process.send_signal(signal.SIGTERM)
+            begun = time.monotonic()
+        self.err = process.stderr.read().decode("utf-8", "replace")
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        process.stderr.close()
+        self.code, self.seconds, self.peak_mb = process.returncode, time.monotonic() - begun, usage.ru_maxrss / 1024
 
 
 class WebService:

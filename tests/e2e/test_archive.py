@@ -1,12 +1,16 @@
 """The whole way round with a PACS, by DIMSE and by DICOMweb; web services that answer badly."""
+import concurrent.futures
 import shutil
+import socket
+import struct
+import time
 
 import pydicom
 import pydicom.misc
 
 import harness
 import network_peers as peers
-from network_peers import Orthanc, Receiver, WebService, content_of, run_tool, write_study
+from network_peers import Orthanc, Receiver, WebService, content_of, receive_pdu, run_tool, write_study
 
 
 class Archive(harness.TestCase):
@@ -216,6 +220,43 @@ class HostileServices(harness.TestCase):
                     self.assertEqual([str(path.relative_to(self.folder / folder)) for path in (self.folder / folder).rglob("*.dcm")],
                                      ["1.2/1.2.3/1.2.3.4.dcm"][:len(files) - 1])
 
+    def test_a_dicom_archive_that_sends_strangers_or_less_than_it_says(self):
+        statuses = []
+
+        def sends(study, counts):
+            def serve(connection, context, ct_context):
+                if study:
+                    connection.sendall(peers.data(ct_context, True, True, peers.store_command(b"1.5"))
+                                       + peers.data(ct_context, False, True, peers.data_set(b"1.5", study)))
+                    statuses.append(peers.status_of(receive_pdu(connection)[1]))
+                connection.sendall(peers.data(context, True, True, peers.reply(0x8010, 0, counts=counts)))
+                receive_pdu(connection)
+                connection.sendall(peers.pdu(6, bytes(4)))
+
+            def answer(connection):
+                contexts = peers.accept_association(connection)
+                context = next(iter(contexts.values()))
+                _, body = receive_pdu(connection)
+                receive_pdu(connection)
+                if peers.field_of(body) == 0x20:  # a C-FIND: what classes there are
+                    connection.sendall(peers.data(context, True, True, peers.reply(0x8020, 0)))
+                    receive_pdu(connection)
+                    connection.sendall(peers.pdu(6, bytes(4)))
+                else:
+                    serve(connection, context, contexts[peers.CT])
+            return answer
+        for study, counts, code, numbers, status in ((b"1.2", (0, 1, 0, 0), None, (1, 0), 0), (b"1.99", (0, 0, 1, 0), "E-NET-024", (0, 1), 0x124),
+                                                     (b"1.2", (0, 6, 0, 0), "E-NET-015", (1, 0), 0), (b"", (0, 5, 0, 0), "E-NET-015", (0, 0), None)):
+            with peers.RawService(sends(study, counts)) as service:
+                done = self.run_program("fetch", "--from", f"A@127.0.0.1:{service.port}", "--study", "1.2", "-o", f"in{counts}{study}",
+                                        "--json", expect=6 if code else 0)
+            self.assertIn(code or "", done.err)
+            self.assertEqual((done.json()["stored"], done.json()["not_asked_for"]), numbers)
+            if status is not None:
+                self.assertEqual(statuses.pop(), status)
+            if code == "E-NET-015":
+                self.assertIn("5 objects", done.err)
+
     def test_A13_the_quota_of_a_fetch(self):
         files = [peers.dicom_file(b"1.2.%d" % k, b"1.2", payload=bytes(60000)) for k in range(3)]
         with WebService(lambda path: (200, peers.MULTIPART, peers.multipart(*files))) as url:
@@ -238,6 +279,145 @@ class HostileServices(harness.TestCase):
                 self.assertIn(code, done.err)
                 if content == stored.encode():
                     self.assertEqual((done.json()["stored"], len(done.json()["failed"])), (19, 1))
+
+
+# What hostile services do for ever, once a request has come: every way to answer without an end.
+
+def every(seconds, piece):
+    def serve(connection):
+        while True:
+            connection.sendall(piece)
+            time.sleep(seconds)
+    return serve
+
+
+def after(head, serve, is_post=False):
+    def answer(connection):
+        got = b""
+        while b"\r\n\r\n" not in got:
+            got += connection.recv(65536)
+        if is_post:
+            connection.settimeout(0.3)
+            try:
+                while connection.recv(65536):
+                    pass
+            except socket.timeout:
+                connection.settimeout(20)
+        connection.sendall(head)
+        serve(connection)
+    return answer
+
+
+def associated(serve):
+    def answer(connection):
+        contexts = peers.accept_association(connection)
+        while not receive_pdu(connection)[1][5] & 1:  # the command; its data set follows
+            pass
+        serve(connection, contexts)
+    return answer
+
+
+def pending(field, seconds, content=b"", **more):
+    """The same answer again and again."""
+    def serve(connection, contexts):
+        context = next(iter(contexts.values()))
+        answer = peers.data(context, True, True, peers.reply(field, 0xFF00, **more))
+        if content:
+            answer += peers.data(context, False, True, content)
+        every(seconds, answer)(connection)
+    return associated(serve)
+
+
+OK = b"HTTP/1.1 200 OK\r\n"
+PARTS = OK + b"Content-Type: " + peers.MULTIPART.encode() + b"\r\nTransfer-Encoding: chunked\r\n\r\n"
+JSON = OK + b"Content-Type: application/dicom+json\r\nTransfer-Encoding: chunked\r\n\r\n"
+ANSWER = peers.element(8, 0x52, "CS", b"STUDY")[:4] + struct.pack("<I", 6) + b"STUDY " + struct.pack("<HHI", 0x20, 0xD, 4) + b"1.2\0"
+
+
+def chunk(content):
+    return b"%x\r\n" % len(content) + content + b"\r\n"
+
+
+class EndlessServices(harness.TestCase):
+    """No service holds the program for ever or fills its memory, and the program always hears that it shall stop."""
+
+    def commands(self, kind, port):
+        web, dicom = f"http://127.0.0.1:{port}/d", f"A@127.0.0.1:{port}"
+        return {"query": ["query", "--from", web], "fetch": ["fetch", "--from", web, "--study", "1.2", "-o", "in"],
+                "send": ["send", "object.dcm", "--to", web], "find": ["query", "--from", dicom],
+                "get": ["fetch", "--from", dicom, "--study", "1.2", "-o", "in"],
+                "move": ["fetch", "--from", dicom, "--study", "1.2", "--move-to", "B"]}[kind]
+
+    def run_all(self, cases, judge):
+        """Every case at the same time as others: they wait most of the time."""
+        def run(number, kind, serve, limits, *more):
+            folder = self.folder / str(number)
+            folder.mkdir()
+            (folder / "object.dcm").write_bytes(peers.dicom_file(b"1.2.7", b"1.2"))
+            with peers.RawService(serve) as service:
+                words = self.commands(kind, service.port) + ["--timeout", "3", "--quiet"]
+                for limit in limits:
+                    words += ["--limit", limit]
+                return peers.Measured(*words, folder=folder, **judge.get("run", {})), more
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            futures = [pool.submit(run, number, *case) for number, case in enumerate(cases)]
+        for case, future in zip(cases, futures):
+            with self.subTest(case=(case[0], case[2:])):
+                judge["check"](*future.result())
+
+    # One sends a little every while: its silence is never too long.
+    SLOW = [("query", after(OK, every(0.2, b"X-A: b\r\n"))), ("query", after(b"", every(0.2, b"HTTP/1.1 100 Continue\r\n\r\n"))),
+            ("query", after(b"", every(0.2, b"H"))), ("query", after(JSON, every(0.2, chunk(b" ")))),
+            ("query", after(JSON, every(0.2, b"0"))), ("fetch", after(PARTS, every(0.2, chunk(b"-")))),
+            ("send", after(JSON, every(0.2, chunk(b" ")), is_post=True)), ("find", every(0.2, b"\2\0\0\0\1\0")),
+            ("find", pending(0x8020, 0.2, ANSWER, data_set=0)), ("move", pending(0x8021, 0.2)), ("get", pending(0x8010, 0.2))]
+
+    def test_the_time_of_a_request(self):
+        def check(run, _):
+            self.assertEqual(run.code, 5, run.err)
+            self.assertIn("E-NET-025", run.err)
+            self.assertIn("within 1 s", run.err)
+            self.assertLess(run.seconds, 4)
+        self.run_all([(*case, ["request-seconds=1"]) for case in self.SLOW], {"check": check})
+
+    def test_a_signal_is_heard_at_once(self):
+        def check(run, _):
+            self.assertEqual(run.code, 130, run.err)
+            self.assertLess(run.seconds, 1.5)
+        self.run_all([(*case, []) for case in self.SLOW], {"check": check, "run": {"ended_after": 0.7}})
+
+    def test_bytes_answers_and_memory(self):
+        part = b"--b\r\n\r\n\r\n"
+
+        def store(connection, contexts):
+            context = contexts.get(peers.CT, 1)  # the query for the classes has no storage
+            connection.sendall(peers.data(context, True, True, peers.store_command(b"1.2")))
+            every(0, peers.data(context, False, False, bytes(16000)))(connection)
+        cases = [("query", after(OK, every(0, b"X-A: " + b"b" * 1000 + b"\r\n")), [], 6, "E-NET-018"),
+                 ("fetch", after(OK + b"X-A: ", every(0, b"b" * 10000)), [], 6, ""),
+                 ("query", after(JSON, every(0, b"0" * 10000)), [], 6, ""),
+                 ("query", after(JSON, every(0, chunk(b" " * 100000))), [], 6, "64 MiB"),
+                 ("send", after(JSON, every(0, chunk(b" " * 100000)), is_post=True), [], 6, "64 MiB"),
+                 ("fetch", after(PARTS, every(0, chunk(b" " * 100000))), ["request-bytes=30000000"], 5, "E-NET-026"),
+                 ("fetch", after(PARTS, every(0, chunk(part * 100))), ["request-answers=1000"], 5, "E-NET-027"),
+                 ("find", pending(0x8020, 0, ANSWER, data_set=0), ["request-answers=3000"], 5, "E-NET-027"),
+                 ("find", pending(0x8020, 0, ANSWER, data_set=0), ["request-bytes=300000"], 5, "E-NET-026"),
+                 ("move", pending(0x8021, 0), ["request-answers=1000"], 5, "E-NET-027"),
+                 ("get", pending(0x8010, 0), ["request-answers=1000"], 5, "E-NET-027"),
+                 ("get", associated(store), ["request-bytes=3000000"], 5, "E-NET-026")]
+
+        def check(run, wanted):
+            code, text = wanted
+            self.assertEqual(run.code, code, run.err)
+            self.assertIn(text, run.err)
+            self.assertLess(run.peak_mb, 250)
+        self.run_all(cases, {"check": check})
+
+    def test_an_association_that_is_not_released(self):
+        def serve(connection, contexts):
+            every(0.1, peers.data(next(iter(contexts.values())), True, True, peers.reply(0x8020, 0)))(connection)
+        self.run_all([("find", associated(serve), [])], {"check": lambda run, _: (self.assertEqual(run.code, 0, run.err),
+                                                                       self.assertLess(run.seconds, 6))})
 
 
 if __name__ == "__main__":

@@ -90,6 +90,7 @@ std::vector<std::string> classes_there(const FetchOptions& options, const Connec
     query.level = QueryLevel::instance;
     query.most_answers = 1;
     for (const auto& each : series.value().answers) {
+        if (context.cancelled() || !RequestBudget(connecting.limits, {}).check_time().ok()) break;
         const auto uid = each.find("SeriesInstanceUID");
         if (uid == each.end() || !is_uid(uid->second)) continue;
         query.series = uid->second;
@@ -256,8 +257,12 @@ Result<FetchResult> get_web(ObjectStore& store, const FetchOptions& options, con
     std::unique_ptr<ObjectStore::Incoming> incoming;
     std::optional<MultipartReader> parts;
     bool is_malformed = false;
+    RequestBudget budget(connecting.limits, connecting.peer.url);
+    Status within_budget = Nothing{};
     MultipartReader::Sink sink;
     sink.begin = [&] {
+        within_budget = budget.spend_answer();
+        if (!within_budget.ok()) return false;
         incoming = std::make_unique<ObjectStore::Incoming>(store, ObjectLabel{});
         return true;
     };
@@ -289,6 +294,7 @@ Result<FetchResult> get_web(ObjectStore& store, const FetchOptions& options, con
     ANATOMESH_TRY(
         const HttpReply reply,
         client.get(path, "multipart/related; type=\"application/dicom\"; transfer-syntax=*", receiver));
+    ANATOMESH_CHECK_STATUS(within_budget);
     if (reply.status != 200 && reply.status != 404) return client.refused(reply, "the request");
     if (reply.status == 200 && (is_malformed || !parts || !parts->is_complete()))
         return Error{ErrorKind::file,
@@ -313,12 +319,15 @@ bool has_nothing(const FetchOptions& options, const ConnectOptions& connecting, 
 
 }  // namespace
 
-Result<FetchResult> fetch_objects(ObjectStore* store, const FetchOptions& options,
-                                  const ConnectOptions& connecting, const RunContext& context) {
+Result<FetchResult> fetch_objects(ObjectStore* store, const FetchOptions& options, const ConnectOptions& from,
+                                  const RunContext& context) {
+    ConnectOptions connecting = from;
+    if (!connecting.limits.begun) connecting.limits.begun = Clock::now();
     assert(store || (!options.move_to.empty() && options.port == 0));
     if (store) store->take_only({options.study, options.series, options.instance});
     if (!connecting.peer.dicom) return get_web(*store, options, connecting, context);
-    RequestorOptions asking{*connecting.peer.dicom, connecting.title, connecting.timeout_seconds, nullptr};
+    RequestorOptions asking{*connecting.peer.dicom, connecting.title, connecting.timeout_seconds, nullptr,
+                            connecting.limits};
     std::optional<TlsContext> tls;
     if (connecting.use_tls) {
         ANATOMESH_TRY(tls, TlsContext::client(connecting.tls));

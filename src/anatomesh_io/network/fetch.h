@@ -33,11 +33,11 @@ struct FetchResult {
     std::vector<RefusedObject> refusals;  // the first ten
 };
 
-// Only objects of the UIDs in `options` are stored. From then on the store takes no others.
+// All of it is one request to the peer as far as `from.limits` is concerned. Only objects of the UIDs in `options` are stored. From then on the store takes no others.
 //
 // `store` may be null when another program is the destination of a C-MOVE. Errors: those of Requestor,
 // HttpClient and receive_objects; E-NET-019 the peer refuses.
-Result<FetchResult> fetch_objects(ObjectStore* store, const FetchOptions& options,
-                                  const ConnectOptions& connecting, const RunContext& context);
+Result<FetchResult> fetch_objects(ObjectStore* store, const FetchOptions& options, const ConnectOptions& from,
+                                  const RunContext& context);
 
 }  // namespace anatomesh

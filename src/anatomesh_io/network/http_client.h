@@ -17,8 +17,10 @@ struct HttpReply {
     std::string content_type;
 };
 
-// One at a time; not thread-safe. Redirections are not followed. Errors (file): E-NET-016 no answer (no
-// connection, TLS, silence), E-NET-004 TLS files; cancelled.
+// One at a time; not thread-safe. Redirections are not followed. A request ends within `options.limits`, and
+// within 0.1 s when the run is cancelled (but for the look-up of a host name); it takes no memory beyond
+// 16 MiB of framing. Errors: E-NET-016 no answer (no connection, TLS, silence), E-NET-018 the answer is endless
+// headers or longer than 64 MiB, E-NET-004 TLS files; those of RequestBudget; cancelled.
 class HttpClient {
   public:
     // Requires: options.peer.url. `context` must outlive it.
@@ -35,8 +37,8 @@ class HttpClient {
     };
     // `path` follows the base URL and begins with a slash.
     Result<HttpReply> get(const std::string& path, const std::string& accept, const Receiver& receiver);
-    // Sends `size` bytes, piece by piece as `read(offset, most)` gives them; the content of the answer, up to
-    // 64 MiB of it, goes to `answer`.
+    // Sends `size` bytes, piece by piece as `read(offset, most)` gives them; the content of the answer, at most
+    // 64 MiB, goes to `answer`.
     using Read = std::function<std::string_view(std::uint64_t offset, std::size_t most)>;
     Result<HttpReply> post(const std::string& path, const std::string& content_type,
                            const std::string& accept, std::uint64_t size, const Read& read,

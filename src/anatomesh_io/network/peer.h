@@ -5,6 +5,7 @@
 #include <string>
 
 #include "anatomesh/base/result.h"
+#include "anatomesh_io/network/request_budget.h"
 #include "anatomesh_io/network/requestor.h"
 #include "anatomesh_io/network/stream.h"
 
@@ -27,6 +28,7 @@ struct ConnectOptions {
     bool use_tls = false;             // of a DICOM peer; a URL says it itself
     TlsFiles tls;
     std::string user, password;  // of DICOMweb
+    RequestLimits limits;
 };
 
 }  // namespace anatomesh

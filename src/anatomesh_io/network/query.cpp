@@ -17,8 +17,8 @@ namespace anatomesh {
 namespace {
 
 constexpr DicomTag level_tag{0x0008, 0x0052};
-// A longer answer is refused, so that a hostile server takes no memory. [bytes; >= 65536; B]
-constexpr std::size_t longest_web_answer = std::size_t{64} << 20;
+// Longer answers are refused, so that a hostile peer takes no memory. [bytes; >= 65536; B]
+constexpr std::size_t most_answer_bytes = std::size_t{64} << 20;
 
 const char* name_of(QueryLevel level) {
     switch (level) {
@@ -89,7 +89,8 @@ std::optional<std::map<std::string, std::string>> answer_of(
 
 Result<QueryResult> query_dicom(const QueryOptions& options, const ConnectOptions& connecting,
                                 const RunContext& context) {
-    RequestorOptions asking{*connecting.peer.dicom, connecting.title, connecting.timeout_seconds, nullptr};
+    RequestorOptions asking{*connecting.peer.dicom, connecting.title, connecting.timeout_seconds, nullptr,
+                            connecting.limits};
     std::optional<TlsContext> tls;
     if (connecting.use_tls) {
         ANATOMESH_TRY(tls, TlsContext::client(connecting.tls));
@@ -101,19 +102,24 @@ Result<QueryResult> query_dicom(const QueryOptions& options, const ConnectOption
     const auto wanted = returned_at(options.level);
     QueryResult result;
     bool is_malformed = false;
+    std::size_t bytes = 0;
     ANATOMESH_TRY(
         const std::uint16_t status,
         requestor.find(requestor.contexts()[0], query_identifier(options.level, keys_of(options), wanted),
                        [&](std::string_view data_set) {
                            result.is_cut = result.answers.size() == options.most_answers;
-                           if (result.is_cut) return false;
+                           if (result.is_cut || bytes > most_answer_bytes) return false;
                            auto answer = answer_of(data_set, wanted);
                            is_malformed = !answer;
-                           if (answer) result.answers.push_back(std::move(*answer));
-                           return !is_malformed;
+                           if (is_malformed) return false;
+                           for (const auto& [keyword, text] : *answer) bytes += text.size();
+                           result.answers.push_back(std::move(*answer));
+                           return bytes <= most_answer_bytes;
                        }));
     requestor.release();
     if (is_malformed) return query_error("an answer of the peer is malformed", connecting);
+    if (bytes > most_answer_bytes)
+        return query_error("the answers are longer than 64 MiB: ask for less", connecting);
     if (status != dimse::success && status != dimse::cancelled)
         return query_error("the peer does not answer the query: " + text_of_query_status(status), connecting);
     sort_answers(result);
@@ -148,7 +154,7 @@ Result<QueryResult> query_web(const QueryOptions& options, const ConnectOptions&
     bool is_too_long = false;
     HttpClient::Receiver receiver{[](const HttpReply&) { return true; },
                                   [&](std::string_view bytes) {
-                                      is_too_long = bytes.size() > longest_web_answer - text.size();
+                                      is_too_long = bytes.size() > most_answer_bytes - text.size();
                                       if (!is_too_long) text += bytes;
                                       return !is_too_long;
                                   }};

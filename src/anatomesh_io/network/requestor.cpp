@@ -87,6 +87,7 @@ Status Requestor::send(std::string_view bytes) {
     auto deadline = Clock::now() + std::chrono::duration<double>(options_.timeout_seconds);
     while (!bytes.empty()) {
         if (context_->cancelled()) return cancelled_error();
+        ANATOMESH_CHECK_STATUS(budget_.check_time());
         std::size_t put = 0;
         const StreamState state = stream_.write(bytes, put);
         if (state == StreamState::done) {
@@ -109,11 +110,12 @@ Status Requestor::receive_some(std::string& into) {
     std::array<char, 65536> buffer;
     while (true) {
         if (context_->cancelled()) return cancelled_error();
+        ANATOMESH_CHECK_STATUS(budget_.check_time());
         std::size_t got = 0;
         const StreamState state = stream_.read(buffer.data(), buffer.size(), got);
         if (state == StreamState::done) {
             into.append(buffer.data(), got);
-            return Nothing{};
+            return budget_.spend_bytes(got);
         }
         if (state == StreamState::closed) return lost("the peer closed the connection");
         if (state == StreamState::failed) return lost(stream_.reason());
@@ -147,12 +149,15 @@ Result<Requestor> Requestor::associate(const RequestorOptions& options,
     assert(!contexts.empty() && contexts.size() <= most_presentation_contexts && options.timeout_seconds > 0);
     std::uint8_t id = 1;
     for (PresentationContext& each : contexts) each.id = std::exchange(id, static_cast<std::uint8_t>(id + 2));
-    const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                             std::chrono::duration<double>(options.timeout_seconds));
+    RequestBudget budget(options.limits, name_of(options.peer));
+    ANATOMESH_CHECK_STATUS(budget.check_time());
+    const double seconds = std::min(options.timeout_seconds, options.limits.seconds);
+    const auto deadline =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
     ANATOMESH_TRY(const int descriptor, connect_to(options.peer.host, options.peer.port, deadline, context));
     Requestor requestor(
         options.tls ? Stream(descriptor, *options.tls, false, options.peer.host) : Stream(descriptor),
-        options, context);
+        options, std::move(budget), context);
     ANATOMESH_CHECK_STATUS(requestor.negotiate(contexts, roles));
     return requestor;
 }
@@ -235,7 +240,12 @@ Status Requestor::receive_message(Inbox& inbox) {
     return Nothing{};
 }
 
+void Requestor::begin_budget() {
+    budget_ = RequestBudget(options_.limits, name_of(options_.peer));
+}
+
 Result<std::uint16_t> Requestor::echo() {
+    begin_budget();
     const PresentationContext* with = context_of(verification_class);
     assert(with);
     Command request;
@@ -250,6 +260,7 @@ Result<std::uint16_t> Requestor::echo() {
 
 Result<std::uint16_t> Requestor::store(const PresentationContext& context, const std::string& sop_instance,
                                        std::string_view data_set) {
+    begin_budget();
     Command request;
     request.field = dimse::store_request;
     request.message = ++message_;
@@ -276,6 +287,7 @@ Result<std::uint16_t> Requestor::store(const PresentationContext& context, const
 
 Status Requestor::send_request(const PresentationContext& context, Command& request,
                                std::string_view identifier) {
+    begin_budget();
     request.message = ++message_;
     request.sop_class = context.abstract_syntax;
     request.has_data_set = true;
@@ -297,6 +309,7 @@ Result<std::uint16_t> Requestor::find(const PresentationContext& context, std::s
         const std::uint16_t status = inbox.message.status;
         if (inbox.message.field != dimse::find_reply) return lost("the peer does not keep to the protocol");
         if (status != dimse::pending && status != dimse::pending_with_warning) return status;
+        ANATOMESH_CHECK_STATUS(budget_.spend_answer());
         if (is_cancelled || matched(inbox.data_set)) continue;
         is_cancelled = true;
         Command cancel;
@@ -318,6 +331,7 @@ Result<std::uint16_t> Requestor::retrieve(const PresentationContext& context, Co
     };
     while (true) {
         ANATOMESH_CHECK_STATUS(receive_message(inbox));
+        ANATOMESH_CHECK_STATUS(budget_.spend_answer());
         const Command& got = inbox.message;
         if (got.field == dimse::store_request) {
             Command reply;
@@ -353,7 +367,10 @@ Result<std::uint16_t> Requestor::move(const PresentationContext& context, std::s
 }
 
 void Requestor::release() {
-    options_.timeout_seconds = std::min(options_.timeout_seconds, release_seconds);
+    RequestLimits ending = options_.limits;
+    ending.seconds = std::min(options_.timeout_seconds, release_seconds);
+    ending.begun = Clock::now();
+    budget_ = RequestBudget(ending, name_of(options_.peer));
     if (!send(format_release(PduType::release_request)).ok()) return;
     PduType type = PduType::abort;
     std::string body;

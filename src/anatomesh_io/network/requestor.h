@@ -1,5 +1,6 @@
 // Requestor: one association as the asking side has it, and the services over it: C-ECHO, C-STORE, C-FIND,
-// C-GET, C-MOVE. Every wait ends: by the peer's silence, or when the run is cancelled.
+// C-GET, C-MOVE. Every wait ends: by the peer's silence, or when the run is cancelled; every request ends within
+// its limits. No more than 1 MiB of an answer is kept.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include "anatomesh_io/network/acceptor.h"
 #include "anatomesh_io/network/dimse.h"
 #include "anatomesh_io/network/pdu.h"
+#include "anatomesh_io/network/request_budget.h"
 #include "anatomesh_io/network/stream.h"
 
 namespace anatomesh {
@@ -29,6 +31,7 @@ struct RequestorOptions {
     std::string title = "ANATOMESH";  // by which this side calls itself
     double timeout_seconds = 30;      // of the peer's silence. > 0
     const TlsContext* tls = nullptr;
+    RequestLimits limits;  // of each request; associating is one
 };
 
 // How many sub-operations a C-GET or C-MOVE came to.
@@ -40,7 +43,7 @@ class Requestor {
   public:
     // Associates. Contexts are numbered 1, 3, 5 ... in the order given; at most 128, of which at least one
     // must be accepted. Errors (file): E-NET-010 no connection, E-NET-011 rejected, E-NET-012 no context
-    // accepted, E-NET-013 the peer was silent, aborted, or does not speak DICOM.
+    // accepted, E-NET-013 the peer was silent, aborted, or does not speak DICOM; those of RequestBudget.
     static Result<Requestor> associate(const RequestorOptions& options,
                                        std::vector<PresentationContext> contexts,
                                        std::vector<RoleSelection> roles, const RunContext& context);
@@ -50,7 +53,7 @@ class Requestor {
     // The accepted context of a class and syntax (empty: any syntax).
     const PresentationContext* context_of(std::string_view sop_class, std::string_view syntax = {}) const;
 
-    // Each gives the status of the reply. Errors: E-NET-013; cancelled.
+    // Each gives the status of the reply. Errors: E-NET-013; those of RequestBudget; cancelled.
     Result<std::uint16_t> echo();
     Result<std::uint16_t> store(const PresentationContext& context, const std::string& sop_instance,
                                 std::string_view data_set);
@@ -77,9 +80,10 @@ class Requestor {
   private:
     class Inbox;
 
-    Requestor(Stream stream, const RequestorOptions& options, const RunContext& context)
-        : stream_(std::move(stream)), options_(options), context_(&context) {}
+    Requestor(Stream stream, const RequestorOptions& options, RequestBudget budget, const RunContext& context)
+        : stream_(std::move(stream)), options_(options), budget_(std::move(budget)), context_(&context) {}
 
+    void begin_budget();
     Status send(std::string_view bytes);
     Status send_command(std::uint8_t context, const Command& command);
     // A command of this class, numbered, with its identifier.
@@ -98,6 +102,7 @@ class Requestor {
 
     Stream stream_;
     RequestorOptions options_;
+    RequestBudget budget_;
     const RunContext* context_;
     std::vector<PresentationContext> accepted_;
     std::uint32_t longest_pdu_ = 0;

@@ -131,7 +131,8 @@ Result<SentObject> send_one(Requestor& requestor, const OutgoingObject& object, 
 
 Result<SendResult> send_dicom(const std::vector<OutgoingObject>& objects, const ConnectOptions& options,
                               const RunContext& context) {
-    RequestorOptions connecting{*options.peer.dicom, options.title, options.timeout_seconds, nullptr};
+    RequestorOptions connecting{*options.peer.dicom, options.title, options.timeout_seconds, nullptr,
+                                options.limits};
     std::optional<TlsContext> tls;
     if (options.use_tls) {
         ANATOMESH_TRY(tls, TlsContext::client(options.tls));
