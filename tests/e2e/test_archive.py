@@ -165,12 +165,54 @@ class RealStudies(harness.TestCase):
 
 class HostileServices(harness.TestCase):
     def test_answers_to_a_query(self):
-        for status, content, code in ((500, b"", "E-NET-017"), (302, b"", "E-NET-017"), (200, b"<html>", "E-NET-018"),
-                                      (200, b"[" * 100000, "E-NET-018"), (200, b"{}", "E-NET-019"), (200, b"[7]", None),
-                                      (200, b"", None), (204, b"", None), (200, b'[{"0020000D":{"Value":[{"a":1}]}}]', None)):
+        study = b'[{"0020000D":{"vr":"UI","Value":["%s"]}}]'
+        for status, content, code in ((500, b"", "E-NET-017"), (302, b"", "E-NET-017"), (404, b"", "E-NET-017"),
+                                      (200, b"[" * 100000, "E-NET-018"), (204, b"", None), (200, b"[]", None), (200, study % b"1.2", None)):
             with WebService(lambda path: (status, "application/dicom+json", content)) as url:
                 done = self.run_program("query", "--from", url, expect=6 if code else 0)
                 self.assertIn(code or "", done.err)
+        with WebService(lambda path: (200, "application/dicom+json", study.replace(b"D", b"E") % b"1.2.3")) as url:
+            self.run_program("query", "--from", url, "--level", "series", "--study", "1.2")
+
+    def test_what_is_no_answer_is_no_empty_answer(self):
+        """Whatever a service says with success that is no DICOM JSON or no multipart message is told, never 'nothing found'."""
+        page = b"<!DOCTYPE html><title>Login of Doe^Jane</title>"
+        other_study = b'[{"0020000D":{"Value":["1.3"]},"0020000E":{"Value":["1.3.4"]}}]'
+        for kind, content in (("text/html", page), ("application/dicom+json", page), ("application/dicom+json", b""), ("", b" \n"),
+                              ("application/dicom+json", b"null"), ("application/dicom+json", b"{}"), ("application/dicom+json", b'"[]"'),
+                              ("application/json", b'{"error":"token expired"}'), ("application/dicom+json", b"[7]"),
+                              ("application/dicom+json", b"[{}]"), ("application/dicom+json", b"[null]"),
+                              ("application/dicom+json", b'[{"0020000D":{"Value":[{"a":1}]}}]'),
+                              ("application/dicom+json", b'[{"0020000D":{"Value":["../x"]}}]'), ("application/dicom+json", b"[]]"),
+                              ("application/dicom+json", b"[" + b"\xff"), ("application/dicom", peers.dicom_file(b"1.2.7", b"1.2")),
+                              ("multipart/related", b"--b--"), ("application/dicom+json", other_study)):
+            with WebService(lambda path: (200, kind, content)) as url:
+                for words in (["query", "--level", "series" if content == other_study else "study", "--study", "1.2"],
+                              ["fetch", "--study", "1.2", "-o", "x"]):
+                    done = self.assert_refused([*words, "--from", url], 6, "E-NET-018")
+                    self.assertNotIn("Jane", done.err)
+                    self.assertNotIn("0 answers", done.out)
+                    if content == page:
+                        self.assertIn(f"{kind}, which looks like a web page", done.err)
+
+    def test_what_is_no_answer_of_a_dicom_archive(self):
+        for content, text in ((b"", "StudyInstanceUID"), (b"nonsense", "malformed"), (ANSWER[:-4] + b"../x", "StudyInstanceUID"),
+                              (ANSWER, "another study")):
+            with peers.RawService(pending(0x8020, 5, content, data_set=0 if content else 0x101)) as service:
+                self.assert_refused(["query", "--from", f"A@127.0.0.1:{service.port}", "--study", "1.3", "--timeout", "0.5"], 6, "E-NET-019", text)
+
+    def test_a_reply_without_a_status_is_no_success(self):
+        (self.folder / "object.dcm").write_bytes(peers.dicom_file(b"1.2.7", b"1.2"))
+        for field, words in ((0x8001, ["send", "object.dcm", "--to"]), (0x8020, ["query", "--from"])):
+            whole = peers.reply(field, 0)
+            cut = struct.pack("<HHII", 0, 0, 4, len(whole) - 22) + whole[12:-10]
+            for answer, code in ((whole, 0), (cut, 6)):
+                def serve(connection, contexts):
+                    connection.sendall(peers.data(next(iter(contexts.values())), True, True, answer))
+                    receive_pdu(connection)
+                    connection.sendall(peers.pdu(6, bytes(4)))
+                with peers.RawService(associated(serve)) as service:
+                    self.run_program(*words, f"A@127.0.0.1:{service.port}", "--timeout", "1", expect=code)
 
     def test_answers_to_a_retrieval(self):
         good = b"--b\r\nContent-Type: application/dicom\r\n\r\n" + b"x" * 1000 + b"\r\n--b--"

@@ -13,6 +13,10 @@ using Json = nlohmann::json;
 // Values nested deeper are refused, so that a hostile answer takes no memory. [levels; >= 4; B]
 constexpr int deepest = 64;
 
+// A content type is shown no further: it comes from outside. [characters; >= 20; B]
+constexpr std::size_t longest_shown_type = 80;
+constexpr const char* blanks = " \t\r\n";
+
 bool is_too_deep(std::string_view text) {
     int depth = 0;
     bool in_string = false;
@@ -54,9 +58,16 @@ const Json* values_of(const Json& data_set, DicomTag tag) {
 
 }  // namespace
 
-Result<Json> parse_dicom_json(std::string_view text, const std::string& url) {
-    if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return Json();
-    const auto wrong = [&](const char* what) {
+std::string what_came(std::string_view content_type, std::string_view content) {
+    std::string text(content_type.empty() ? "no content type" : content_type.substr(0, longest_shown_type));
+    const std::size_t start = content.find_first_not_of(blanks);
+    if (start == std::string_view::npos) return text + ", an empty body";
+    return content[start] == '<' ? text + ", which looks like a web page, perhaps for a login" : text;
+}
+
+Result<Json> parse_dicom_json(std::string_view text, std::string_view content_type, const std::string& url) {
+    if (text.find_first_not_of(blanks) == std::string_view::npos) return Json();
+    const auto wrong = [&](const std::string& what) {
         return Error{ErrorKind::file,
                      "E-NET-018",
                      what,
@@ -65,7 +76,8 @@ Result<Json> parse_dicom_json(std::string_view text, const std::string& url) {
     };
     if (is_too_deep(text)) return wrong("the answer is nested too deeply");
     Json parsed = Json::parse(text, nullptr, false);
-    if (parsed.is_discarded()) return wrong("the answer is no JSON");
+    if (parsed.is_discarded())
+        return wrong("the answer is no DICOM JSON: what came is " + what_came(content_type, text));
     return parsed;
 }
 

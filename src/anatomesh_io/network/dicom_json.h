@@ -12,8 +12,14 @@
 
 namespace anatomesh {
 
-// Parses an answer; an empty one is null. Nested at most 64 deep. Error (file): E-NET-018 it is no JSON.
-Result<nlohmann::json> parse_dicom_json(std::string_view text, const std::string& url);
+// What came instead of what was asked for, as in "text/html, which looks like a web page, perhaps for a login".
+// Quotes nothing of the content, which may name a patient; its beginning suffices.
+std::string what_came(std::string_view content_type, std::string_view content);
+
+// Parses an answer; an empty one is null. Nested at most 64 deep. Error (file): E-NET-018 it is no JSON, with
+// what it is instead.
+Result<nlohmann::json> parse_dicom_json(std::string_view text, std::string_view content_type,
+                                        const std::string& url);
 
 // The values of an element as text, several joined by backslashes; of names the alphabetic form. Empty when
 // there is none.

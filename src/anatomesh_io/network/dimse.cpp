@@ -122,7 +122,7 @@ std::string format_command(const Command& command) {
 
 std::optional<Command> parse_command(std::string_view bytes) {
     Command command;
-    bool has_field = false, has_type = false;
+    bool has_field = false, has_type = false, has_status = false;
     while (!bytes.empty()) {
         if (bytes.size() < 8) return std::nullopt;
         // Archives put what failed (group 8) into the command itself.
@@ -141,11 +141,12 @@ std::optional<Command> parse_command(std::string_view bytes) {
             if (length != 2) return std::nullopt;
             *number = static_cast<std::uint16_t>(number_at(value, 0, 2));
             has_field = has_field || element == command_field;
+            has_status = has_status || element == status_element;
         } else if (std::string* text = text_field(command, element)) {
             *text = without_padding(value);
         }
     }
-    if (!has_field || !has_type) return std::nullopt;
+    if (!has_field || !has_type || (command.is_reply() && !has_status)) return std::nullopt;
     return command;
 }
 

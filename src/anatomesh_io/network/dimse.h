@@ -88,7 +88,8 @@ struct Command {
 
 // The command set, implicit VR little endian, with its group length.
 std::string format_command(const Command& command);
-// Nothing: lengths that do not fit, values of a wrong size, no command field, or no word on a data set.
+// Nothing: lengths that do not fit, values of a wrong size, no command field, no word on a data set, or a reply
+// without its status, which would look like success.
 std::optional<Command> parse_command(std::string_view bytes);
 
 // Puts fragments together: a command, then its data set when it has one. The data set is handed on as it

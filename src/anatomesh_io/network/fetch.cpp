@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "anatomesh_io/network/dcmtk_door.h"
+#include "anatomesh_io/network/dicom_json.h"
 #include "anatomesh_io/network/http_client.h"
 #include "anatomesh_io/network/multipart.h"
 #include "anatomesh_io/network/query.h"
@@ -276,17 +277,17 @@ Result<FetchResult> get_web(ObjectStore& store, const FetchOptions& options, con
         incoming.reset();
         return true;
     };
+    std::string beginning;  // of what is no multipart message
     HttpClient::Receiver receiver;
     receiver.begin = [&](const HttpReply& reply) {
         if (reply.status != 200) return true;
-        const auto boundary = boundary_of(reply.content_type);
-        if (boundary) parts.emplace(*boundary, sink);
-        is_malformed = !boundary;
-        return !is_malformed;
+        if (const auto boundary = boundary_of(reply.content_type)) parts.emplace(*boundary, sink);
+        return true;
     };
     receiver.data = [&](std::string_view bytes) {
         if (parts) is_malformed = !parts->feed(bytes);
-        return !is_malformed;
+        if (!parts) beginning = bytes;
+        return parts && !is_malformed;
     };
     std::string path = "/studies/" + url_escaped(options.study);
     if (!options.series.empty()) path += "/series/" + url_escaped(options.series);
@@ -299,9 +300,12 @@ Result<FetchResult> get_web(ObjectStore& store, const FetchOptions& options, con
     if (reply.status == 200 && (is_malformed || !parts || !parts->is_complete()))
         return Error{ErrorKind::file,
                      "E-NET-018",
-                     "the answer is not valid, or it was cut off",
+                     parts ? "the parts of the answer are malformed, or it was cut off"
+                           : "the answer is no multipart message of DICOM objects: what came is " +
+                                 what_came(reply.content_type, beginning),
                      {"", "", "", "", connecting.peer.url},
-                     "try again"};
+                     parts ? "the objects that arrived are kept; run fetch again"
+                           : "check that the URL is that of a DICOMweb service"};
     return result;
 }
 

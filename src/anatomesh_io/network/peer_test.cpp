@@ -37,7 +37,7 @@ TEST(DicomJson, values) {
     const auto parsed = parse_dicom_json(
         R"({"00100010":{"vr":"PN","Value":[{"Alphabetic":"Doe^Jane"}]},"00080061":{"vr":"CS","Value":["CT","MR"]},
             "00201208":{"vr":"IS","Value":[21]},"00100020":{"vr":"LO"}})",
-        "url");
+        "application/dicom+json", "url");
     ASSERT_TRUE(parsed.ok());
     EXPECT_EQ(json_text_of(parsed.value(), {0x0010, 0x0010}), "Doe^Jane");
     EXPECT_EQ(json_text_of(parsed.value(), {0x0008, 0x0061}), "CT\\MR");
@@ -46,12 +46,12 @@ TEST(DicomJson, values) {
 }
 
 TEST(DicomJson, what_is_none) {
-    EXPECT_FALSE(parse_dicom_json("<html>", "url").ok());
-    EXPECT_FALSE(parse_dicom_json(std::string(100000, '['), "url").ok());
-    EXPECT_TRUE(parse_dicom_json(" \n", "url").ok());
+    EXPECT_FALSE(parse_dicom_json("<html>", "text/html", "url").ok());
+    EXPECT_FALSE(parse_dicom_json(std::string(100000, '['), "", "url").ok());
+    EXPECT_TRUE(parse_dicom_json(" \n", "", "url").ok());
     for (const char* text : {"[]", "7", "{\"00100010\":7}", "{\"00100010\":{\"Value\":7}}",
                              "{\"00100010\":{\"Value\":[{}]}}", "{\"00100010\":{\"Value\":[null,[]]}}"}) {
-        const auto parsed = parse_dicom_json(text, "url");
+        const auto parsed = parse_dicom_json(text, "", "url");
         ASSERT_TRUE(parsed.ok()) << text;
         static_cast<void>(json_text_of(parsed.value(), {0x0010, 0x0010}));
         EXPECT_FALSE(json_number_of(parsed.value(), {0x0010, 0x0010})) << text;

@@ -16,6 +16,8 @@ namespace anatomesh {
 
 namespace {
 
+using Answer = std::map<std::string, std::string>;
+
 constexpr DicomTag level_tag{0x0008, 0x0052};
 // Longer answers are refused, so that a hostile peer takes no memory. [bytes; >= 65536; B]
 constexpr std::size_t most_answer_bytes = std::size_t{64} << 20;
@@ -70,16 +72,35 @@ void sort_answers(QueryResult& result) {
               [&](const auto& a, const auto& b) { return key(a) < key(b); });
 }
 
+// What makes an answer none, so that no list is short without a word: it does not say which study, series or
+// instance it is about, or it is about another than was asked for. Nothing: it is one.
+std::optional<std::string> fault_of(const Answer& answer, const QueryOptions& options) {
+    const char* keyword = options.level == QueryLevel::study    ? "StudyInstanceUID"
+                          : options.level == QueryLevel::series ? "SeriesInstanceUID"
+                                                                : "SOPInstanceUID";
+    const auto own = answer.find(keyword);
+    if (own == answer.end() || !is_uid(own->second))
+        return std::string("an answer does not say its ") + keyword;
+    const auto is_other = [&](const char* name, const std::string& asked) {
+        const auto found = answer.find(name);
+        return !asked.empty() && found != answer.end() && found->second != asked;
+    };
+    if (is_other("StudyInstanceUID", options.study))
+        return "an answer is about another study than was asked for";
+    if (is_other("SeriesInstanceUID", options.series))
+        return "an answer is about another series than was asked for";
+    return std::nullopt;
+}
+
 // A data set of an answer, as texts.
-std::optional<std::map<std::string, std::string>> answer_of(
-    std::string_view data_set, const std::vector<const QueryAttribute*>& wanted) {
+std::optional<Answer> answer_of(std::string_view data_set, const std::vector<const QueryAttribute*>& wanted) {
     const std::string file =
         meta_header({study_find_class, "1.2", implicit_little_syntax}) + std::string(data_set);
     const auto parsed = DataSet::parse(file, "answer");
     if (!parsed.ok()) return std::nullopt;
     const DicomItem root = parsed.value().root();
     const std::string_view characters = root.text(tags::character_set);
-    std::map<std::string, std::string> answer;
+    Answer answer;
     for (const QueryAttribute* each : wanted) {
         const std::string text = dicom_text(root.text(each->tag), characters).text;
         if (!text.empty()) answer[each->keyword] = text;
@@ -101,27 +122,29 @@ Result<QueryResult> query_dicom(const QueryOptions& options, const ConnectOption
         Requestor::associate(asking, {{0, study_find_class, {implicit_little_syntax}, 0}}, {}, context));
     const auto wanted = returned_at(options.level);
     QueryResult result;
-    bool is_malformed = false;
+    std::optional<std::string> fault;
     std::size_t bytes = 0;
-    ANATOMESH_TRY(
-        const std::uint16_t status,
+    const auto status =
         requestor.find(requestor.contexts()[0], query_identifier(options.level, keys_of(options), wanted),
                        [&](std::string_view data_set) {
                            result.is_cut = result.answers.size() == options.most_answers;
                            if (result.is_cut || bytes > most_answer_bytes) return false;
                            auto answer = answer_of(data_set, wanted);
-                           is_malformed = !answer;
-                           if (is_malformed) return false;
+                           fault = answer ? fault_of(*answer, options) : "an answer of the peer is malformed";
+                           if (fault) return false;
                            for (const auto& [keyword, text] : *answer) bytes += text.size();
                            result.answers.push_back(std::move(*answer));
                            return bytes <= most_answer_bytes;
-                       }));
+                       });
+    // Also where the peer then does not end in good order.
+    if (fault) return query_error(*fault, connecting);
+    if (!status.ok()) return status.error();
     requestor.release();
-    if (is_malformed) return query_error("an answer of the peer is malformed", connecting);
     if (bytes > most_answer_bytes)
         return query_error("the answers are longer than 64 MiB: ask for less", connecting);
-    if (status != dimse::success && status != dimse::cancelled)
-        return query_error("the peer does not answer the query: " + text_of_query_status(status), connecting);
+    if (status.value() != dimse::success && status.value() != dimse::cancelled)
+        return query_error("the peer does not answer the query: " + text_of_query_status(status.value()),
+                           connecting);
     sort_answers(result);
     return result;
 }
@@ -163,17 +186,29 @@ Result<QueryResult> query_web(const QueryOptions& options, const ConnectOptions&
     if (is_too_long) return query_error("the answer is longer than 64 MiB: ask for less", connecting);
     if (reply.status == 204) return QueryResult{};
     if (reply.status != 200) return client.refused(reply, "the query");
-    ANATOMESH_TRY(const nlohmann::json parsed, parse_dicom_json(text, connecting.peer.url));
+    ANATOMESH_TRY(const nlohmann::json parsed,
+                  parse_dicom_json(text, reply.content_type, connecting.peer.url));
     QueryResult result;
-    if (!parsed.is_null() && !parsed.is_array()) return query_error("the answer is no list", connecting);
+    // Nothing found is an empty list: what is no list says nothing about what there is.
+    const auto no_answer = [&](const std::string& what) {
+        return Error{ErrorKind::file,
+                     "E-NET-018",
+                     what,
+                     {"", "", "", "", connecting.peer.url},
+                     "check that the URL is that of a DICOMweb service"};
+    };
+    if (!parsed.is_array())
+        return no_answer("the answer is no list of DICOM JSON: what came is " +
+                         what_came(reply.content_type, text));
     for (const nlohmann::json& item : parsed) {
         result.is_cut = result.answers.size() == options.most_answers;
         if (result.is_cut) break;
-        std::map<std::string, std::string> answer;
+        Answer answer;
         for (const QueryAttribute* each : wanted) {
             const std::string value = json_text_of(item, each->tag);
             if (!value.empty()) answer[each->keyword] = value;
         }
+        if (const auto fault = fault_of(answer, options)) return no_answer(*fault);
         result.answers.push_back(std::move(answer));
     }
     sort_answers(result);

@@ -39,8 +39,9 @@ struct QueryResult {
     bool is_cut = false;                                      // there were more answers
 };
 
-// Answers in the order of their UIDs. Errors: those of Requestor and of HttpClient; E-NET-019 the peer
-// refuses the query or cannot answer it.
+// Answers in the order of their UIDs. Each says the UID of its level, and lies under the study and series that
+// were asked for. Errors: those of Requestor and of HttpClient; E-NET-018 what a service gives is no list of
+// DICOM JSON, or an answer in it is none; E-NET-019 the peer refuses the query or cannot answer it.
 Result<QueryResult> query_peer(const QueryOptions& options, const ConnectOptions& connecting,
                                const RunContext& context);
 

@@ -139,7 +139,8 @@ Result<SendResult> stow_objects(const std::vector<OutgoingObject>& objects, cons
         // 202: some were not stored; 409: none was.
         if (status != 200 && status != 202 && status != 409)
             return client.refused(reply.value(), "what is sent");
-        ANATOMESH_TRY(const Json answer, parse_dicom_json(text, options.peer.url));
+        ANATOMESH_TRY(const Json answer,
+                      parse_dicom_json(text, reply.value().content_type, options.peer.url));
         const auto stored = listed(answer, "00081199"), failed = listed(answer, "00081198");
         for (std::size_t i = first; i < last; ++i) {
             const std::string& uid = objects[i].identity.sop_instance;
