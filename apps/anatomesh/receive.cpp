@@ -31,7 +31,7 @@ struct ReceiveVerbOptions {
     TlsFiles tls;
     bool model = false;
     WatchOptions watch;
-    bool settle_given = false;
+    bool settle_given = false, model_time_given = false;
 };
 
 // "AE" from this machine, "AE@HOST", "@HOST"; HOST may be "*".
@@ -88,8 +88,10 @@ Status run_receive(ReceiveVerbOptions options, Session& session) {
         ANATOMESH_TRY(AllowedPeer peer, allowed_peer(text));
         receiving.allowed.push_back(std::move(peer));
     }
-    if ((options.settle_given || options.watch.keep_patient_ids) && !options.model)
-        return usage_error("E-CMD-008", "--settle and --keep-patient-ids do not apply without --model", "",
+    if ((options.settle_given || options.model_time_given || options.watch.keep_patient_ids) &&
+        !options.model)
+        return usage_error("E-CMD-008",
+                           "--settle, --model-time and --keep-patient-ids do not apply without --model", "",
                            "leave them out, or give --model");
     std::optional<TlsContext> tls;
     if (!options.tls.empty()) {
@@ -177,6 +179,11 @@ Work declare_receive(CLI::App& verb) {
         verb, "--settle", options->watch.settle_seconds, 0.1, 86400, "SECONDS",
         "With --model: wait until nothing of a study has arrived for this long, 0.1 to 86400 s. Default: 30.")
         ->each([options](const std::string&) { options->settle_given = true; });
+    add_number(
+        verb, "--model-time", options->watch.model_seconds, 1, 86400, "SECONDS",
+        "With --model: end a model that takes longer, 1 to 86400 s, so that other studies have their turn. "
+        "Default: 1800.")
+        ->each([options](const std::string&) { options->model_time_given = true; });
     group_new_options(verb, option_group::outputs);
     return [options](Session& session) { return run_receive(*options, session); };
 }

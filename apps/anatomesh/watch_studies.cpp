@@ -12,6 +12,8 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <thread>
 #include <utility>
 
 #include "anatomesh/base/plural.h"
@@ -25,6 +27,11 @@ namespace anatomesh {
 namespace fs = std::filesystem;
 
 namespace {
+
+// Who is asked to end and does not is killed. [s; > 0; B]
+constexpr double seconds_to_end = 2;
+// Of the time of processes that are asked to end is asked as often. [ms; > 0; B]
+constexpr std::chrono::milliseconds end_interval{20};
 
 constexpr const char* models_folder = "models";
 constexpr const char* failure_name = "failure.txt";
@@ -55,9 +62,24 @@ std::string hash_of(const std::set<std::string>& instances) {
     return sha256_text(text);
 }
 
+double seconds_since_then(std::chrono::steady_clock::time_point then) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
+
+// What a signal means that ended a process.
+std::string text_of_signal(int number) {
+    const std::string text = fmt::format("signal {} ended the process", number);
+    if (number == SIGKILL) return text + ", as the system does when memory runs out";
+    return text + ", which is a fault of the program: please report it with the study";
+}
+
 // Runs in the child, where nothing may be allocated.
 [[noreturn]] void become(char* const* words, const char* failure) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    // Where memory ends, the system ends the model, not the receiver.
+    const int badness = ::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+    const char worst[] = "1000";
+    static_cast<void>(!::write(badness, worst, sizeof worst - 1));
     const int null = ::open("/dev/null", O_RDWR);
     const int log = ::open(failure, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0666);
     ::dup2(null, STDIN_FILENO);
@@ -136,11 +158,29 @@ std::size_t StudyWatch::missing(const Study& study) const {
 }
 
 void StudyWatch::tick(const std::vector<std::string>& busy) {
+    check_time();
     reap();
-    const Clock::time_point now = Clock::now();
-    for (auto& [name, study] : studies_) {
+    start_next(busy);
+}
+
+void StudyWatch::check_time() {
+    if (child_ < 0) return;
+    if (!is_asked_ && seconds_since_then(child_begun_) > options_.model_seconds) {
+        ::kill(child_, SIGTERM);
+        is_asked_ = true;
+        child_asked_ = Clock::now();
+    } else if (is_asked_ && seconds_since_then(child_asked_) > seconds_to_end) {
+        ::kill(child_, SIGKILL);
+    }
+}
+
+void StudyWatch::start_next(const std::vector<std::string>& busy) {
+    std::map<std::string, Study>::iterator next = studies_.end();
+    for (auto at = studies_.begin(); at != studies_.end(); ++at) {
+        const std::string& name = at->first;
+        Study& study = at->second;
         if (!study.is_due || !study.has_structures) continue;
-        const double quiet = std::chrono::duration<double>(now - study.last).count();
+        const double quiet = seconds_since_then(study.last);
         if (quiet < options_.settle_seconds || std::find(busy.begin(), busy.end(), name) != busy.end())
             continue;
         if (const std::size_t count = missing(study); count > 0) {
@@ -150,8 +190,9 @@ void StudyWatch::tick(const std::vector<std::string>& busy) {
             study.was_missed = true;
             continue;
         }
-        if (child_ < 0) start(name, study);
+        if (next == studies_.end() || study.last < next->second.last) next = at;
     }
+    if (child_ < 0 && next != studies_.end()) start(next->first, next->second);
 }
 
 void StudyWatch::start(const std::string& name, Study& study) {
@@ -194,6 +235,8 @@ void StudyWatch::start(const std::string& name, Study& study) {
         return;
     }
     child_ = child;
+    child_begun_ = Clock::now();
+    is_asked_ = false;
     child_study_ = name;
     child_folder_ = version.string();
     say_(fmt::format("study {}: complete, making its model", series_name(name)));
@@ -209,20 +252,46 @@ void StudyWatch::reap() {
         std::error_code ignored;
         fs::remove(fs::path(child_folder_) / failure_name, ignored);
         ++models_;
-        say_(fmt::format("study {}: model {} made", study, version));
-    } else if (WIFEXITED(status)) {
-        say_(fmt::format("study {}: no model {}: exit code {}; its {} says why", study, version,
-                         WEXITSTATUS(status), failure_name));
-    } else {
-        say_(fmt::format("study {}: no model {}: signal {} ended the process", study, version,
-                         WTERMSIG(status)));
+        say_(fmt::format("study {}: model {} made in {:.0f} s", study, version,
+                         seconds_since_then(child_begun_)));
+        return;
     }
+    std::string reason;
+    if (is_asked_)
+        reason = fmt::format("it took longer than {:g} s and was ended; --model-time allows more",
+                             options_.model_seconds);
+    else if (WIFSIGNALED(status))
+        reason = text_of_signal(WTERMSIG(status));
+    note_failure(reason);
+    if (reason.empty()) reason = fmt::format("exit code {}", WEXITSTATUS(status));
+    say_(fmt::format("study {}: no model {}: {}; its {} says why", study, version, reason, failure_name));
+}
+
+// Removes what a process left that was ended between its outputs, and adds the reason that it could not give
+// itself.
+void StudyWatch::note_failure(const std::string& reason) {
+    const fs::path version = child_folder_;
+    std::error_code ignored;
+    std::vector<fs::path> left;
+    for (fs::directory_iterator at(version, ignored), none; !ignored && at != none; at.increment(ignored))
+        if (const fs::path name = at->path().filename(); name != failure_name && name != instances_name)
+            left.push_back(at->path());
+    for (const fs::path& path : left) fs::remove(path, ignored);
+    if (reason.empty()) return;
+    std::ifstream file(version / failure_name);
+    std::string text{std::istreambuf_iterator<char>(file), {}};
+    text += fmt::format("anatomesh: {}\n", reason);
+    const Status noted = write_file_atomically((version / failure_name).string(), text);
+    if (!noted.ok()) say_(fmt::format("{} cannot be written: {}", failure_name, noted.error().message));
 }
 
 void StudyWatch::end() {
     if (child_ < 0) return;
     ::kill(child_, SIGTERM);
-    while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+    const Clock::time_point asked = Clock::now();
+    while (::waitpid(child_, nullptr, WNOHANG) == 0) {
+        if (seconds_since_then(asked) > seconds_to_end) ::kill(child_, SIGKILL);
+        std::this_thread::sleep_for(end_interval);
     }
     child_ = -1;
     // So that the next run makes up for it.

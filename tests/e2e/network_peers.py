@@ -112,6 +112,18 @@ class Receiver:
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))
 
+    def children(self):
+        """The processes that it has started and that run."""
+        found = []
+        for path in pathlib.Path("/proc").glob("[0-9]*/stat"):
+            try:
+                words = path.read_text().rsplit(")", 1)[1].split()
+            except OSError:
+                continue
+            if int(words[1]) == self.process.pid and words[0] != "Z":
+                found.append(int(path.parent.name))
+        return found
+
     def files(self, pattern="*/*/*.dcm"):
         return sorted(self.folder.glob(pattern))
 

@@ -401,7 +401,7 @@ class EndlessServices(harness.TestCase):
                 for limit in limits:
                     words += ["--limit", limit]
                 return peers.Measured(*words, folder=folder, **judge.get("run", {})), more
-        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        with concurrent.futures.ThreadPoolExecutor(12) as pool:
             futures = [pool.submit(run, number, *case) for number, case in enumerate(cases)]
         for case, future in zip(cases, futures):
             with self.subTest(case=(case[0], case[2:])):

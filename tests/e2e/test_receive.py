@@ -3,6 +3,7 @@ import os
 import random
 import re
 import shutil
+import signal
 import socket
 import struct
 import subprocess
@@ -463,6 +464,57 @@ class Watching(harness.TestCase):
         time.sleep(1.5)
         self.assertEqual(again.stop()["models"], 0)
         self.assertEqual(len(list(models.iterdir())), 2)
+
+    def test_F14_models_that_crash_hang_or_are_killed_hold_up_no_other(self):
+        study, contours = write_study(self.folder / "study")
+        odd = [("11", signal.SIGSEGV, "signal 11 ended the process"), ("12", signal.SIGSTOP, "it took longer than 1 s"),
+               ("13", signal.SIGKILL, "as the system does when memory runs out")]
+        for number, _, _ in odd:
+            folder = self.folder / number
+            folder.mkdir()
+            for path in [*study.iterdir(), contours]:
+                each = pydicom.dcmread(path)
+                each.StudyInstanceUID = f"{peers.STUDY}.{number}"
+                each.save_as(folder / path.name)
+        receiver = Receiver(self, "--model", "--settle", "0.4", "--model-time", "1")
+        self.run_program("send", *(number for number, _, _ in odd), "--to", receiver.peer)
+        seen, deadline = [], time.monotonic() + 60
+        while len(seen) < len(odd) and time.monotonic() < deadline:
+            for child in set(receiver.children()) - set(seen):
+                os.kill(child, odd[len(seen)][1])
+                seen.append(child)
+            time.sleep(0.002)
+        for _, _, text in odd:
+            self.wait_for(receiver, text)
+        # The receiver lives on, and says of each in its folder why there is no model.
+        with associated(receiver) as connection:
+            self.assertEqual(store(connection, b"1.1", data_set(b"1.1")), 0)
+        texts = []
+        for number, _, _ in odd:
+            version = receiver.folder / "models" / f"{peers.STUDY}.{number}" / "1"
+            self.assertEqual(sorted(path.name for path in version.iterdir()), ["failure.txt", "instances.sha256"])
+            texts.append((version / "failure.txt").read_text())
+        for _, _, text in odd:
+            self.assertEqual(sum(text in each for each in texts), 1, texts)
+        self.assertEqual(receiver.stop()["models"], 0)
+        # The next start does not try them again: a crash would come back at every start.
+        again = Receiver(self, "--model", "--settle", "0.4")
+        time.sleep(1)
+        self.assertEqual(again.children(), [])
+        # A process that does not heed the end of the receiver is killed, and its study is made up for.
+        late = pydicom.dcmread(self.folder / "11" / "ct00.dcm")
+        late.SOPInstanceUID = late.file_meta.MediaStorageSOPInstanceUID = "1.2.826.0.1.3680043.8.498.1.99"
+        late.ImagePositionPatient[2] -= 3
+        late.save_as(self.folder / "late.dcm")
+        self.run_program("send", "late.dcm", "--to", again.peer)
+        deadline = time.monotonic() + 60
+        while not again.children() and time.monotonic() < deadline:
+            time.sleep(0.002)
+        os.kill(again.children()[0], signal.SIGSTOP)
+        begun = time.monotonic()
+        again.stop()
+        self.assertLess(time.monotonic() - begun, 6)
+        self.assertFalse((again.folder / "models" / f"{peers.STUDY}.11" / "2").exists())
 
     def test_A17_a_study_that_cannot_be_modelled(self):
         study, contours = write_study(self.folder / "study")

@@ -32,6 +32,7 @@ class NetworkCommands(harness.TestCase):
         self.assert_refused(["receive", "x", "--address", "0.0.0.0", "--allow", "A@127.0.0.1"], 2, "E-NET-020", "--plain")
         self.assert_refused(["receive", "x", "--allow", "@"], 2, "E-NET-009")
         self.assert_refused(["receive", "x", "--settle", "5"], 2, "E-CMD-008")
+        self.assert_refused(["receive", "x", "--model-time", "5"], 2, "E-CMD-008")
 
     def test_nobody_there(self):
         self.write("notes.txt", "no DICOM")
