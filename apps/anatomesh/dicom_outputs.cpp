@@ -56,7 +56,8 @@ Status add_dicom_outputs(const Model& model, const DicomSource& source, const Di
                                            {&outputs.obj, SurfaceObject::obj, "surface.obj"}}) {
         if (path->empty()) continue;
         ANATOMESH_TRY(const std::string bytes, format_surface(name, surface, context));
-        ANATOMESH_CHECK_STATUS(files.add(*path, format_encapsulated(kind, bytes, "model surface", source)));
+        ANATOMESH_TRY(const std::string object, format_encapsulated(kind, bytes, "model surface", source));
+        ANATOMESH_CHECK_STATUS(files.add(*path, object));
     }
     if (!outputs.segmentation.empty()) {
         VoxelModel voxels;
@@ -66,7 +67,8 @@ Status add_dicom_outputs(const Model& model, const DicomSource& source, const Di
         voxels.structures = model.structures;
         voxels.members = model.regions.members;
         if (context.cancelled()) return cancelled_error();
-        ANATOMESH_CHECK_STATUS(files.add(outputs.segmentation, format_segmentation(voxels, source)));
+        ANATOMESH_TRY(const std::string object, format_segmentation(voxels, source));
+        ANATOMESH_CHECK_STATUS(files.add(outputs.segmentation, object));
     }
     return Nothing{};
 }

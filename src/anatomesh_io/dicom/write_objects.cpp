@@ -263,25 +263,29 @@ struct PackedFrames {
     std::vector<SegmentFrame> frames;
     std::string bits;
 };
-PackedFrames pack_frames(const VoxelModel& model) {
+Result<PackedFrames> pack_frames(const VoxelModel& model) {
     const std::size_t pixels = std::size_t{model.geometry.size[0]} * model.geometry.size[1];
     std::vector<std::vector<std::uint8_t>> holds(model.structures.size(),
                                                  std::vector<std::uint8_t>(model.members.size(), 0));
     for (std::size_t r = 0; r < model.members.size(); ++r)
         for (const std::uint32_t s : model.members[r]) holds[s][r] = 1;
     PackedFrames packed;
-    std::size_t bit = 0;
     for (std::uint32_t s = 0; s < model.structures.size(); ++s)
         for (std::uint32_t k = 0; k < model.geometry.size[2]; ++k) {
             const std::uint16_t* voxels = model.regions.data() + k * pixels;
             bool is_empty = true;
             for (std::size_t i = 0; i < pixels && is_empty; ++i) is_empty = !holds[s][voxels[i]];
-            if (is_empty) continue;
-            packed.frames.push_back({s, k});
-            packed.bits.resize((bit + pixels + 7) / 8, '\0');
-            for (std::size_t i = 0; i < pixels; ++i, ++bit)
-                if (holds[s][voxels[i]]) packed.bits[bit / 8] |= static_cast<char>(1 << bit % 8);
+            if (!is_empty) packed.frames.push_back({s, k});
         }
+    const std::size_t bytes = (packed.frames.size() * pixels + 7) / 8;
+    ANATOMESH_CHECK_STATUS(check_value_length("the pixels of the segmentation", bytes));
+    packed.bits.resize(bytes, '\0');
+    std::size_t bit = 0;
+    for (const SegmentFrame& frame : packed.frames) {
+        const std::uint16_t* voxels = model.regions.data() + frame.slice * pixels;
+        for (std::size_t i = 0; i < pixels; ++i, ++bit)
+            if (holds[frame.structure][voxels[i]]) packed.bits[bit / 8] |= static_cast<char>(1 << bit % 8);
+    }
     return packed;
 }
 
@@ -408,9 +412,9 @@ void add_pixel_format(Composer& object, const ImageGeometry& geometry, std::size
 
 }  // namespace
 
-std::string format_segmentation(const VoxelModel& model, const DicomSource& source) {
+Result<std::string> format_segmentation(const VoxelModel& model, const DicomSource& source) {
     assert(!model.structures.empty() && model.structures.size() <= 65535);
-    const PackedFrames packed = pack_frames(model);
+    ANATOMESH_TRY(const PackedFrames packed, pack_frames(model));
     Composer object(Syntax::explicit_little);
     const Uids uids = uids_of(source, packed.bits, "SEG");
     add_common(object, source, uids, "SEG", "model as voxels");
@@ -504,8 +508,9 @@ void add_origins(Composer& object, Origins origins, const std::string& study) {
 
 }  // namespace
 
-std::string format_encapsulated(SurfaceObject kind, std::string_view surface, const std::string& title,
-                                const DicomSource& source) {
+Result<std::string> format_encapsulated(SurfaceObject kind, std::string_view surface,
+                                        const std::string& title, const DicomSource& source) {
+    ANATOMESH_CHECK_STATUS(check_value_length("the surface", surface.size()));
     const bool is_stl = kind == SurfaceObject::stl;
     Composer object(Syntax::explicit_little);
     const Uids uids = uids_of(source, surface, is_stl ? "STL" : "OBJ");
@@ -529,6 +534,18 @@ std::string format_encapsulated(SurfaceObject kind, std::string_view surface, co
     object.text({0x0068, 0x7001}, "CS", "NO");  // ModelModification
     object.text({0x0068, 0x7002}, "CS", "NO");  // ModelMirroring
     return object.file(is_stl ? stl_class : obj_class);
+}
+
+Status check_value_length(const char* what, std::uint64_t bytes) {
+    // Beyond it a length is none: odd ones are padded, and the largest number means that none is stated.
+    // [bytes; 2^32 - 2; D DICOM PS3.5, section 7.1]
+    constexpr std::uint64_t longest_value = 0xFFFFFFFEu;
+    if (bytes <= longest_value) return Nothing{};
+    return Error{ErrorKind::limit,
+                 "E-DCM-045",
+                 std::string(what) + " would take more than the 2^32 - 2 bytes that a DICOM element can hold",
+                 {"", "", "", "", std::to_string(bytes) + " bytes"},
+                 "write another format, make a coarser model, or write fewer structures at a time"};
 }
 
 }  // namespace anatomesh

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "anatomesh/base/result.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/image/image.h"
 #include "anatomesh_io/dicom/dicom_source.h"
@@ -29,12 +30,17 @@ struct VoxelModel {
     std::vector<Structure> structures;
     std::vector<std::vector<std::uint32_t>> members;  // of region r: members[r], indices into structures
 };
-// Requires: 1 to 65535 structures; orthogonal axes (a segmentation cannot be sheared).
-std::string format_segmentation(const VoxelModel& model, const DicomSource& source);
+// Requires: 1 to 65535 structures; orthogonal axes (a segmentation cannot be sheared). Error: that of
+// check_value_length, for the pixels.
+Result<std::string> format_segmentation(const VoxelModel& model, const DicomSource& source);
 
-// A surface file as a DICOM object, with references to what it is derived from.
+// A surface file as a DICOM object, with references to what it is derived from. Error: that of
+// check_value_length, for the surface.
 enum class SurfaceObject : std::uint8_t { stl, obj };
-std::string format_encapsulated(SurfaceObject kind, std::string_view surface, const std::string& title,
-                                const DicomSource& source);
+Result<std::string> format_encapsulated(SurfaceObject kind, std::string_view surface,
+                                        const std::string& title, const DicomSource& source);
+
+// Error (limit): E-DCM-045 an element of an object would have more bytes than its length of 32 bits can say.
+Status check_value_length(const char* what, std::uint64_t bytes);
 
 }  // namespace anatomesh

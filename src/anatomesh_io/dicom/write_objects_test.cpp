@@ -1,6 +1,7 @@
 #include "anatomesh_io/dicom/write_objects.h"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <cmath>
@@ -69,7 +70,7 @@ TEST(DicomSegmentation, L01_L02_what_was_written_reads_back) {
          {std::array<std::uint32_t, 3>{7, 5, 9}, {8, 8, 5}, {13, 3, 6}, {1, 1, 2}, {33, 17, 12}})
         for (const bool overlap : {false, true}) {
             const VoxelModel model = random_model(size, 3, overlap, ++seed);
-            const std::string file = format_segmentation(model, {});
+            const std::string file = format_segmentation(model, {}).value();
             RunContext context;
             const auto loaded = read_dicom_segmentation(file, "model.dcm", {}, context);
             if (!loaded.ok()) {
@@ -93,14 +94,15 @@ TEST(DicomSegmentation, L01_L02_what_was_written_reads_back) {
                                       std::find(members.begin(), members.end(), s) != members.end());
                     }
             EXPECT_EQ(warned(context, "W-SEG-005"), loaded.value().layers.size() > 1);
-            EXPECT_EQ(format_segmentation(model, {}), file);
+            EXPECT_EQ(format_segmentation(model, {}).value(), file);
         }
 }
 
 TEST(DicomSegmentation, L04_overlapping_segments_are_layers) {
     const VoxelModel model = random_model({16, 16, 4}, 2, true, 3);
     RunContext context;
-    const auto loaded = read_dicom_segmentation(format_segmentation(model, {}), "model.dcm", {}, context);
+    const auto loaded =
+        read_dicom_segmentation(format_segmentation(model, {}).value(), "model.dcm", {}, context);
     ASSERT_TRUE(loaded.ok());
     EXPECT_EQ(loaded.value().layers.size(), 2u);
     EXPECT_TRUE(warned(context, "W-SEG-005"));
@@ -108,7 +110,7 @@ TEST(DicomSegmentation, L04_overlapping_segments_are_layers) {
 }
 
 TEST(DicomSegmentation, L03_pixels_that_are_missing) {
-    const std::string file = format_segmentation(random_model({16, 16, 4}, 2, false, 3), {});
+    const std::string file = format_segmentation(random_model({16, 16, 4}, 2, false, 3), {}).value();
     RunContext context;
     // The last element is the pixels: shortened, with its length.
     const std::size_t at = file.rfind(std::string("\xE0\x7F\x10\x00OB\0\0", 8));
@@ -120,7 +122,7 @@ TEST(DicomSegmentation, L03_pixels_that_are_missing) {
 
 TEST(DicomSegmentation, L14_all_zeros) {
     VoxelModel model = random_model({8, 8, 4}, 1, false, 1);
-    std::string file = format_segmentation(model, {});
+    std::string file = format_segmentation(model, {}).value();
     const std::size_t at = file.rfind(std::string("\xE0\x7F\x10\x00OB\0\0", 8)) + 12;
     std::fill(file.begin() + static_cast<std::ptrdiff_t>(at), file.end(), '\0');
     RunContext context;
@@ -129,7 +131,7 @@ TEST(DicomSegmentation, L14_all_zeros) {
 }
 
 TEST(DicomSegmentation, flipped_bytes_never_crash) {
-    const std::string whole = format_segmentation(random_model({9, 7, 5}, 2, true, 2), {});
+    const std::string whole = format_segmentation(random_model({9, 7, 5}, 2, true, 2), {}).value();
     std::mt19937 random(1);
     for (int round = 0; round < 2000; ++round) {
         std::string bytes = whole;
@@ -296,6 +298,26 @@ TEST(DicomRtstruct, planes_refer_to_their_images) {
     EXPECT_EQ(parsed.value().root().text(tags::patient_name), "Planted^Name");
 }
 
+TEST(DicomObjects, O04_no_value_is_longer_than_its_length_can_say) {
+    for (const std::uint64_t bytes : {std::uint64_t{0}, std::uint64_t{0xFFFFFFFD}, std::uint64_t{0xFFFFFFFE}})
+        EXPECT_TRUE(check_value_length("the surface", bytes).ok()) << bytes;
+    for (const std::uint64_t bytes : {std::uint64_t{0xFFFFFFFF}, std::uint64_t{1} << 32, ~std::uint64_t{0}}) {
+        const Status status = check_value_length("the surface", bytes);
+        ASSERT_FALSE(status.ok()) << bytes;
+        EXPECT_EQ(status.error().kind, ErrorKind::limit);
+    }
+    // Refused before a byte of it is read: nothing is mapped behind this address space.
+    const std::size_t size = std::size_t{1} << 32;
+    void* reserved = ::mmap(nullptr, size, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    ASSERT_NE(reserved, MAP_FAILED);
+    for (const SurfaceObject kind : {SurfaceObject::stl, SurfaceObject::obj}) {
+        const auto made = format_encapsulated(kind, {static_cast<const char*>(reserved), size}, "model", {});
+        ASSERT_FALSE(made.ok());
+        EXPECT_EQ(made.error().code, "E-DCM-045");
+    }
+    ::munmap(reserved, size);
+}
+
 TEST(DicomObjects, O05_nothing_of_the_patient_unless_asked) {
     auto slices = fixtures::ct_series(4);
     const std::string planted[] = {"Planted^Name",   "PLANTED-ID", "19991231",   "19421224",   "ACC-77",
@@ -319,9 +341,10 @@ TEST(DicomObjects, O05_nothing_of_the_patient_unless_asked) {
     for (int kind = 0; kind < 4; ++kind) {
         const auto made = [&](const DicomSource& source) {
             if (kind == 0) return format_rtstruct(set, source);
-            if (kind == 1) return format_segmentation(model, source);
+            if (kind == 1) return format_segmentation(model, source).value();
             return format_encapsulated(kind == 2 ? SurfaceObject::stl : SurfaceObject::obj, "solid", "model",
-                                       source);
+                                       source)
+                .value();
         };
         const std::string without = made(hidden.value()), with = made(kept.value());
         for (const std::string& text : planted)

@@ -2,12 +2,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 
 #include "anatomesh_io/mesh/mesh_file.h"
 
 namespace anatomesh {
+
+// Error (limit): E-MDL-013 more nodes or elements than readers of the format can number: most keep numbers in 32
+// bits, also those of text formats. .vtu and .vtp state 64 bits themselves where they need them.
+Status check_numbers(ModelFormat format, std::uint64_t nodes, std::uint64_t elements,
+                     const std::string& path);
+Status check_numbers(SurfaceFormat format, std::uint64_t nodes, std::uint64_t elements,
+                     const std::string& path);
 
 using Bytes = std::span<const std::byte>;
 

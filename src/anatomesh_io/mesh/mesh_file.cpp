@@ -135,6 +135,41 @@ std::optional<SurfaceFormat> surface_format_of(const std::string& path) {
     return std::nullopt;
 }
 
+namespace {
+
+// Readers keep the number of a node or element as a signed integer of 32 bits.
+// [elements; 2^31 - 1; D Gmsh 4.1 (int), PLY (int); for texts what their readers can hold]
+constexpr std::uint64_t most_numbered = 0x7FFFFFFF;
+// STL states how many triangles there are, and numbers none. [triangles; 2^32 - 1; D]
+constexpr std::uint64_t most_stl_triangles = 0xFFFFFFFF;
+
+Status check_count(const char* what, std::uint64_t count, std::uint64_t largest, const std::string& path) {
+    if (count <= largest) return Nothing{};
+    return Error{ErrorKind::limit,
+                 "E-MDL-013",
+                 "the file would have more " + std::string(what) + " than its format can number, which is " +
+                     std::to_string(largest),
+                 {path, "", "", "", std::to_string(count)},
+                 "write .vtu or .vtp, or make a coarser model"};
+}
+
+}  // namespace
+
+Status check_numbers(ModelFormat format, std::uint64_t nodes, std::uint64_t elements,
+                     const std::string& path) {
+    if (format == ModelFormat::vtu) return Nothing{};
+    ANATOMESH_CHECK_STATUS(check_count("nodes", nodes, most_numbered, path));
+    return check_count("elements", elements, most_numbered, path);
+}
+
+Status check_numbers(SurfaceFormat format, std::uint64_t nodes, std::uint64_t elements,
+                     const std::string& path) {
+    if (format == SurfaceFormat::vtp) return Nothing{};
+    if (format == SurfaceFormat::stl) return check_count("triangles", elements, most_stl_triangles, path);
+    ANATOMESH_CHECK_STATUS(check_count("vertices", nodes, most_numbered, path));
+    return check_count("triangles", elements, most_numbered, path);
+}
+
 Result<std::string> format_model(const std::string& path, const ModelFile& model, RunContext& context) {
     assert(model.mesh.regions.size() == model.mesh.cells.size());
     assert(model.mid_nodes.empty() || model.mid_nodes.cells.size() == model.mesh.cells.size());
@@ -142,6 +177,8 @@ Result<std::string> format_model(const std::string& path, const ModelFile& model
     assert(model.material.empty() || model.material.size() == model.mesh.cells.size());
     const auto format = model_format_of(path);
     if (!format) return unknown_extension(path, ".vtu, .msh, .mesh, .inp, .feb");
+    ANATOMESH_CHECK_STATUS(check_numbers(*format, model.mesh.points.size() + model.mid_nodes.points.size(),
+                                         model.mesh.cells.size(), path));
     if (*format != ModelFormat::vtu) warn_of_arrays(model.arrays, path, context);
     switch (*format) {
         case ModelFormat::vtu:
@@ -166,6 +203,8 @@ Result<std::string> format_surface(const std::string& path, const SurfaceFile& s
     assert(surface.surface.sides.empty() || surface.surface.sides.size() == surface.surface.triangles.size());
     const auto format = surface_format_of(path);
     if (!format) return unknown_extension(path, ".vtp, .stl, .ply, .obj");
+    ANATOMESH_CHECK_STATUS(
+        check_numbers(*format, surface.surface.points.size(), surface.surface.triangles.size(), path));
     if (*format != SurfaceFormat::vtp) warn_of_arrays(surface.arrays, path, context);
     switch (*format) {
         case SurfaceFormat::vtp:

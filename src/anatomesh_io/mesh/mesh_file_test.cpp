@@ -297,6 +297,30 @@ TEST(MeshFile, abaqus_surfaces_face_out_of_their_cells) {
     }
 }
 
+TEST(MeshFile, O04_more_than_a_format_can_number_is_refused) {
+    constexpr std::uint64_t most = 0x7FFFFFFF;
+    for (const auto format :
+         {ModelFormat::gmsh, ModelFormat::medit, ModelFormat::abaqus, ModelFormat::febio}) {
+        EXPECT_TRUE(check_numbers(format, most, most, "m").ok());
+        for (const std::uint64_t beyond : {most + 1, std::uint64_t{1} << 32, ~std::uint64_t{0}}) {
+            EXPECT_FALSE(check_numbers(format, beyond, 1, "m").ok());
+            const Status status = check_numbers(format, 1, beyond, "m");
+            ASSERT_FALSE(status.ok());
+            EXPECT_EQ(status.error().code, "E-MDL-013");
+            EXPECT_EQ(status.error().kind, ErrorKind::limit);
+        }
+    }
+    for (const auto format : {SurfaceFormat::ply, SurfaceFormat::obj}) {
+        EXPECT_TRUE(check_numbers(format, most, most, "s").ok());
+        EXPECT_FALSE(check_numbers(format, most + 1, 1, "s").ok());
+        EXPECT_FALSE(check_numbers(format, 1, most + 1, "s").ok());
+    }
+    EXPECT_TRUE(check_numbers(SurfaceFormat::stl, 2 * most, 2 * most + 1, "s").ok());
+    EXPECT_FALSE(check_numbers(SurfaceFormat::stl, 1, 2 * most + 2, "s").ok());
+    EXPECT_TRUE(check_numbers(ModelFormat::vtu, 4 * most, 4 * most, "m").ok());
+    EXPECT_TRUE(check_numbers(SurfaceFormat::vtp, 4 * most, 4 * most, "s").ok());
+}
+
 TEST(MeshFile, O03_stl_says_how_much_precision_is_lost) {
     SurfaceFile s = surface(1);
     for (Vec3& point : s.surface.points) point.x += 1e6;

@@ -2,7 +2,6 @@
 // Follows: Turk, "The PLY polygon file format", Stanford, 1994.
 #include <algorithm>
 #include <bit>
-#include <limits>
 
 #include "anatomesh_io/file/byte_reader.h"
 #include "anatomesh_io/mesh/description.h"
@@ -266,11 +265,8 @@ void put(std::string& bytes, T value) {
 
 }  // namespace
 
-Result<std::string> format_ply(const std::string& path, const SurfaceFile& surface, RunContext&) {
+Result<std::string> format_ply(const std::string&, const SurfaceFile& surface, RunContext&) {
     const SurfaceMesh& mesh = surface.surface;
-    if (mesh.points.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
-        return mesh_error("E-MDL-013", "PLY's int holds at most 2^31 - 1 vertices", path);
-    }
     std::string bytes = "ply\nformat binary_little_endian 1.0\n";
     for (const std::string& line : description_lines(surface.description)) bytes += "comment " + line + "\n";
     bytes += "element vertex " + std::to_string(mesh.points.size()) +

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <limits>
 #include <numeric>
 
 #include "anatomesh_io/file/byte_reader.h"
@@ -152,9 +151,6 @@ Result<std::vector<Vec3>> text_corners(const std::string& path, std::string_view
 
 Result<std::string> format_stl(const std::string& path, const SurfaceFile& surface, RunContext& context) {
     const SurfaceMesh& mesh = surface.surface;
-    if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max()) {
-        return mesh_error("E-MDL-013", "STL holds at most 2^32 - 1 triangles", path);
-    }
     warn_of_loss(mesh, path, context);
     // Not "solid", by which readers know the text form.
     std::string bytes = "anatomesh binary STL SPACE=" + surface.description.space.substr(0, 20) +
