@@ -272,8 +272,10 @@ void warn_of_absent_images(const InputOptions& options, RunContext& context) {
     }
 }
 
-Result<DicomSource> output_source(const InputOptions& options, const std::optional<DicomSource>& source,
-                                  RunContext& context) {
+namespace {
+
+Result<DicomSource> source_of_input(const InputOptions& options, const std::optional<DicomSource>& source,
+                                    RunContext& context) {
     if (source) return *source;
     ANATOMESH_TRY(const FileKind kind, detect(options.input));
     if (kind != FileKind::dicom_rtstruct) return DicomSource{};
@@ -281,6 +283,15 @@ Result<DicomSource> output_source(const InputOptions& options, const std::option
                   read_dicom_folder(options.input, folder_options(options), context));
     if (folder.objects.empty()) return DicomSource{};
     return dicom_source(folder, {0}, options.keep_patient_ids);
+}
+
+}  // namespace
+
+Result<DicomSource> output_source(const InputOptions& options, const std::optional<DicomSource>& source,
+                                  RunContext& context) {
+    ANATOMESH_TRY(DicomSource found, source_of_input(options, source, context));
+    found.software_version = ANATOMESH_VERSION;
+    return found;
 }
 
 Result<Json> folder_json(const InputOptions& options, RunContext& context) {

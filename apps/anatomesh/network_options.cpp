@@ -72,8 +72,9 @@ void add_network_options(CLI::App& verb, const std::string& name, NetworkOptions
     CLI::Option* timeout = verb.get_option("--timeout");
     timeout->description(
         timeout->get_description() +
-        fmt::format(" A request takes at most {} s in all, unless --limit request-seconds=N says otherwise.",
-                    most_request_seconds));
+        fmt::format(" A request takes at most {} s and {} GiB in all; --limit request-seconds=N and --limit "
+                    "request-bytes=N set this.",
+                    most_request_seconds, most_request_bytes >> 30));
     verb.add_flag("--tls", options.use_tls, "Encrypt the connection to AE@HOST:PORT by TLS.");
     add_tls_files(verb, options.tls);
     add_text(verb, "--user", options.user, "NAME", "User name at the DICOMweb service.");

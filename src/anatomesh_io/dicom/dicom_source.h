@@ -32,6 +32,7 @@ struct DicomSource {
     std::optional<ImageGeometry> grid;              // of the series, when its axes are orthogonal
     std::vector<Origin> origins;                    // what a model is derived from, sorted
     bool keeps_identity = false;
+    std::string software_version;  // of the program that writes; empty: not stated
     // Empty unless the identity is kept; in the source's character set.
     std::string character_set, patient_name, patient_id, birth_date, sex, study_date, study_time, study_id,
         accession, referring_physician;

@@ -124,7 +124,8 @@ void add_common(Composer& object, const DicomSource& source, const Uids& uids, c
         object.text(tags::deidentification_method, "LO", "identity left out, UIDs replaced");
     }
     object.text(tags::device_serial, "LO", "0");
-    object.text(tags::software_versions, "LO", "anatomesh");
+    object.text(tags::software_versions, "LO",
+                source.software_version.empty() ? "anatomesh" : "anatomesh " + source.software_version);
     object.text(tags::study_instance, "UI", uids.study);
     object.text(tags::series_instance, "UI", uids.series);
     object.text(tags::study_id, "SH", source.study_id);
