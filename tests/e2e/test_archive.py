@@ -370,6 +370,13 @@ def pending(field, seconds, content=b"", **more):
     return associated(serve)
 
 
+def handshake(connection):
+    """A record of TLS of 16 KiB, byte by byte."""
+    connection.recv(65536)
+    connection.sendall(b"\x16\x03\x03\x3f\xff\x02\x00\x3f\xf0\x03\x03")
+    every(0.2, b"\0")(connection)
+
+
 OK = b"HTTP/1.1 200 OK\r\n"
 PARTS = OK + b"Content-Type: " + peers.MULTIPART.encode() + b"\r\nTransfer-Encoding: chunked\r\n\r\n"
 JSON = OK + b"Content-Type: application/dicom+json\r\nTransfer-Encoding: chunked\r\n\r\n"
@@ -385,7 +392,8 @@ class EndlessServices(harness.TestCase):
 
     def commands(self, kind, port):
         web, dicom = f"http://127.0.0.1:{port}/d", f"A@127.0.0.1:{port}"
-        return {"query": ["query", "--from", web], "fetch": ["fetch", "--from", web, "--study", "1.2", "-o", "in"],
+        return {"query": ["query", "--from", web], "https": ["query", "--from", web.replace("http", "https")],
+                "dicom over tls": ["query", "--from", dicom, "--tls"], "fetch": ["fetch", "--from", web, "--study", "1.2", "-o", "in"],
                 "send": ["send", "object.dcm", "--to", web], "find": ["query", "--from", dicom],
                 "get": ["fetch", "--from", dicom, "--study", "1.2", "-o", "in"],
                 "move": ["fetch", "--from", dicom, "--study", "1.2", "--move-to", "B"]}[kind]
@@ -412,6 +420,7 @@ class EndlessServices(harness.TestCase):
             ("query", after(b"", every(0.2, b"H"))), ("query", after(JSON, every(0.2, chunk(b" ")))),
             ("query", after(JSON, every(0.2, b"0"))), ("fetch", after(PARTS, every(0.2, chunk(b"-")))),
             ("send", after(JSON, every(0.2, chunk(b" ")), is_post=True)), ("find", every(0.2, b"\2\0\0\0\1\0")),
+            ("https", handshake), ("dicom over tls", handshake),
             ("find", pending(0x8020, 0.2, ANSWER, data_set=0)), ("move", pending(0x8021, 0.2)), ("get", pending(0x8010, 0.2))]
 
     def test_the_time_of_a_request(self):
