@@ -72,7 +72,9 @@ Status run_field(FieldVerbOptions options, Session& session) {
     ANATOMESH_CHECK_STATUS(check_outputs(names_of(opened.files), {options.output}));
     ANATOMESH_TRY(const InputContours contours, contours_of(std::move(opened), options.input, context));
     ANATOMESH_CHECK_STATUS(check_structures(contours.kept, options));
-    ANATOMESH_CHECK_STATUS(check_slice_thickness(options.slice_mm, options.input.input, contours.kept));
+    if (options.slice_mm > 0 && contours.kept.slices.size() > 1)
+        return slice_thickness_without_use(options.input.input,
+                                           "there are several slices, and an image takes their spacing");
     if (context.cancelled()) return cancelled_error();
 
     SliceStackOptions placing;
@@ -122,7 +124,8 @@ Work declare_field(CLI::App& verb) {
     add_number(verb, "--pixel", options->pixel_mm, 1e-3, 1e3, "MM",
                "Pixel size of the image, 0.001 to 1000 mm. Default: that of the source, otherwise chosen "
                "from the contours.");
-    add_slice_thickness_option(verb, options->slice_mm);
+    add_slice_thickness_option(verb, options->slice_mm,
+                               "Thickness of a single slice. Default: as the source states it, else a pixel");
     group_new_options(verb, option_group::outputs);
     return [options](Session& session) { return run_field(*options, session); };
 }

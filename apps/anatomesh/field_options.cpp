@@ -6,6 +6,7 @@
 #include <string>
 
 #include "anatomesh/field/end_caps.h"
+#include "anatomesh/slices/coverage/few_slices.h"
 #include "help_text.h"
 #include "option_values.h"
 
@@ -28,23 +29,30 @@ void add_field_rule_options(CLI::App& verb, FieldOptions& options) {
                            "spacings, 1 to 1000000. "
                            "Default: {}.",
                            options.max_gap_spacings));
-    add_slice_thickness_option(verb, options.single_slice_mm);
+    add_slice_thickness_option(
+        verb, options.single_slice_mm,
+        "Thickness of the slices of structures that are drawn on one or two slices alone. It is needed where there is "
+        "one slice in all and nothing states it");
     group_new_options(verb, option_group::slices);
 }
 
-void add_slice_thickness_option(CLI::App& verb, double& slice_mm) {
-    add_number(verb, "--slice-thickness", slice_mm, 0.001, 1000, "MM",
-               "Thickness of a single slice, 0.001 to 1000 mm. It is needed if there is one slice only.");
+void add_slice_thickness_option(CLI::App& verb, double& slice_mm, const std::string& of_what) {
+    add_number(verb, "--slice-thickness", slice_mm, 0.001, 1000, "MM", of_what + ", 0.001 to 1000 mm.");
+}
+
+Error slice_thickness_without_use(const std::string& input, const std::string& why) {
+    return {ErrorKind::usage,
+            "E-CMD-008",
+            "--slice-thickness does not apply, because " + why,
+            {input, "", "", "", ""},
+            "leave out --slice-thickness"};
 }
 
 Status check_slice_thickness(double slice_mm, const std::string& input, const ContourSet& kept) {
-    if (slice_mm == 0 || kept.slices.size() < 2) return Nothing{};
-    return Error{ErrorKind::usage,
-                 "E-CMD-008",
-                 fmt::format("--slice-thickness does not apply to {} slices; it is for a single slice",
-                             kept.slices.size()),
-                 {input, "", "", "", ""},
-                 "leave out --slice-thickness"};
+    if (slice_mm == 0 || kept.slices.size() < 2 || !structures_on_few_slices(kept).empty()) return Nothing{};
+    return slice_thickness_without_use(
+        input, says_all(kept) ? "the slices say all of every structure, so that they end it where it is absent"
+                              : "every structure is drawn on three slices or more, which show it");
 }
 
 }  // namespace anatomesh

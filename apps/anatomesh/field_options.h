@@ -12,8 +12,11 @@ namespace anatomesh {
 
 void add_field_rule_options(CLI::App& verb, FieldOptions& options);
 
-// --slice-thickness alone, and whether it applies: usage E-CMD-008 when there are several slices.
-void add_slice_thickness_option(CLI::App& verb, double& slice_mm);
+// --slice-thickness alone. `of_what`: what it is the thickness of, without a full stop.
+void add_slice_thickness_option(CLI::App& verb, double& slice_mm, const std::string& of_what);
+// Usage E-CMD-008: the option is given and has no use. `why`: a clause.
+Error slice_thickness_without_use(const std::string& input, const std::string& why);
+// That error where the set has several slices, and no structure on so few that they show no thickness.
 Status check_slice_thickness(double slice_mm, const std::string& input, const ContourSet& kept);
 
 }  // namespace anatomesh

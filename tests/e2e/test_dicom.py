@@ -1,6 +1,7 @@
 """DICOM from the command line: folders, image series, segmentations, RTSTRUCT in both directions, privacy."""
 import copy
 import json
+import math
 import os
 import re
 import shutil
@@ -30,8 +31,9 @@ def ball(count=20, size=32, spacing=2.0, radius=22.0):
     return values, heights, axis
 
 
-def write_series(folder, names=None, series="1.2.826.0.1.3680043.8.498.1", shift=(0, 0, 0), **changes):
+def write_series(folder, names=None, series="1.2.826.0.1.3680043.8.498.1", shift=(0, 0, 0), spacing=3.0, **changes):
     values, heights, axis = ball()
+    heights = heights * spacing / 3
     paths = []
     for k in range(len(heights)):
         meta = FileMetaDataset()
@@ -303,12 +305,94 @@ class Folders(harness.TestCase):
         self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")
         made = pydicom.dcmread(self.folder / "rs.dcm")
         sequence = made.ROIContourSequence[0].ContourSequence
-        made.ROIContourSequence[0].ContourSequence = sequence[len(sequence) // 2:len(sequence) // 2 + 1]
+        middle = sequence[len(sequence) // 2]
+        made.ROIContourSequence[0].ContourSequence = [middle]
+        made.save_as(str(self.folder / "one.dcm"), write_like_original=True)
+        self.assertIn("W-FLD-013", self.run_program("model", "one.dcm", "-o", "x.vtu").err)
+        # Other programs state no thickness.
+        del middle[0x3006, 0x0044]
         made.save_as(str(self.folder / "one.dcm"), write_like_original=True)
         refused = self.run_program("model", "one.dcm", "-o", "x.vtu", expect=None)
         self.assertIn(refused.code, (3, 4), refused.err)
         self.assertIn("--slice-thickness", refused.err)
         self.run_program("model", "one.dcm", "--slice-thickness", "3", "-o", "x.vtu")
+
+    def drawn(self, rings):
+        """An RTSTRUCT of circles [(ROI, centre, radius)], in a folder beside the images of `study`."""
+        (self.study / "drawn.dcm").unlink(missing_ok=True)
+        self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")
+        made = pydicom.dcmread(self.folder / "rs.dcm")
+        rois = sorted({roi for roi, _, _ in rings})
+        declared = made.StructureSetROISequence[0]
+        made.StructureSetROISequence, made.ROIContourSequence = [], []
+        for roi in rois:
+            one = copy.deepcopy(declared)
+            one.ROINumber, one.ROIName = roi, f"roi {roi}"
+            made.StructureSetROISequence.append(one)
+            contours = []
+            for _, centre, radius in (ring for ring in rings if ring[0] == roi):
+                turn = 2 * numpy.pi * numpy.arange(64) / 64
+                points = numpy.array(centre) + radius * numpy.stack([numpy.cos(turn), numpy.sin(turn), 0 * turn], -1)
+                contour = pydicom.Dataset()
+                contour.ContourGeometricType, contour.NumberOfContourPoints = "CLOSED_PLANAR", 64
+                contour.ContourData = [f"{value:.4f}" for value in points.ravel()]
+                contours.append(contour)
+            item = pydicom.Dataset()
+            item.ReferencedROINumber, item.ContourSequence = roi, contours
+            made.ROIContourSequence.append(item)
+        made.save_as(str(self.study / "drawn.dcm"), write_like_original=True)
+
+    def volumes(self, *words):
+        self.run_program("model", *words, "-o", "m.vtu", "--report", "r.json", "--quiet")
+        report = json.loads((self.folder / "r.json").read_text())
+        return ({s["number"]: (s["volume_mesh_mm3"], s["components"]) for s in report["structures"]},
+                {w["code"] for w in report["warnings"]})
+
+    def test_structures_on_one_or_two_slices_are_as_thick_as_the_images_say(self):
+        """Several lesions on a slice each, a lesion beside a slice that was skipped, and two slices far apart, by any file."""
+        random, seen = numpy.random.default_rng(3), 0
+        for spacing in (2.0, 3.0):
+            write_series(self.study, spacing=spacing)
+            first = float(pydicom.dcmread(self.study / "slice000").ImagePositionPatient[2])
+            area = 64 / 2 * math.sin(2 * math.pi / 64)
+            for n in range(7):
+                at = lambda k, x: (x, float(random.uniform(-3, 3)), first + spacing * k)
+                radii = random.uniform(4, 9, 5)
+                alone = sorted(random.choice(20, 3, replace=False))
+                apart = int(random.integers(4, 9))
+                rings = [(n + 1, at(k, -12), radii[n]) for n, k in enumerate(alone)]
+                right = {n + 1: (area * radii[n] ** 2 * spacing, 1) for n in range(3)}
+                rings += [(4, at(2 + apart * n, 12), radii[3]) for n in range(2)]
+                right[4] = (2 * area * radii[3] ** 2 * spacing, 2)
+                self.drawn(rings)
+                found, told = self.volumes("study")
+                self.assertIn("W-FLD-021", told)
+                self.assertTrue({"W-FLD-001", "W-FLD-003"} & told)
+                self.assertNotIn("W-PIP-004", told)
+                for number, (volume, parts) in right.items():
+                    self.assertAlmostEqual(found[number][0] / volume, 1, delta=0.02, msg=f"{rings} {number}")
+                    self.assertEqual(found[number][1], parts)
+                    seen += 1
+                asked, _ = self.volumes("study", "--slice-thickness", str(spacing / 2))
+                self.assertAlmostEqual(asked[1][0] / right[1][0], 0.5, delta=0.02)
+                for ending in (".json", ".vtp", ".dcm") if n % 3 == 0 else ():
+                    self.run_program("contours", "study", "--keep-patient-ids", "-o", "again" + ending, "--quiet")
+                    again, _ = self.volumes("again" + ending)
+                    for number in right:
+                        self.assertAlmostEqual(again[number][0] / found[number][0], 1, delta=1e-3, msg=ending)
+                (self.folder / "again.dcm").unlink()
+        self.assertGreaterEqual(seen, 50)
+
+    def test_a_lesion_beside_a_slice_that_was_skipped_is_one_slice_thick(self):
+        write_series(self.study)
+        first = float(pydicom.dcmread(self.study / "slice000").ImagePositionPatient[2])
+        organ = [(1, (0, 0, first + 3 * k), 20) for k in range(2, 18) if k != 10]
+        for k in (6, 9, 11):
+            self.drawn(organ + [(2, (30, 0, first + 3 * k), 5)])
+            found, told = self.volumes("study")
+            self.assertAlmostEqual(found[2][0] / (64 / 2 * math.sin(2 * math.pi / 64) * 25 * 3), 1, delta=0.02)
+            self.assertIn("W-FLD-021", told)
+            self.run_program("model", "study", "--structure", "1", "--slice-thickness", "2", "-o", "x.vtu", expect=2)
 
     def test_several_series(self):
         write_series(self.study)

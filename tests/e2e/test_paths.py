@@ -116,6 +116,27 @@ class Paths(harness.TestCase):
                 self.assert_one_part(structures[0], area(12) * length, 0.01)
                 self.assert_one_part(structures[1], area(5) * 40, 0.01)
 
+    def test_legs_at_nearly_one_height_stay_two_slices_in_a_file_without_planes(self):
+        for spacing, off in ((4, 0.2), (6, 0.1)):
+            # Slices of the two legs lie `off` apart along their normal.
+            path, length = arch(10 * spacing, 6 * spacing + off)
+            self.built(along_path(path, length, spacing, 9))
+            self.run_program("contours", "tubes.json", "-o", "tubes.dcm")
+            said = self.run_program("model", "tubes.dcm", "-o", "tubes.vtu", "--report", "report.json")
+            self.assertNotRegex(said.err, "W-CON-009|W-CON-010|W-FLD-001|W-FLD-017")
+            [structure] = json.loads((self.folder / "report.json").read_text())["structures"]
+            self.assert_one_part(structure, area(9) * length)
+
+    def test_priority_of_tubes_that_overlap_between_slices_is_refused(self):
+        path, length = arch(60, 100)
+        for tilt in (0, 20):
+            at, along = path(60 + np.pi * 15)
+            branch = straight(at, [np.sin(np.radians(tilt)), 0, np.cos(np.radians(tilt))])
+            self.write("tubes.json", {"format": "anatomesh-contours", "version": 1, "space": "LPS", "unit": "mm",
+                                      "structures": [{"number": 1, "name": "aorta"}, {"number": 2, "name": "branch"}],
+                                      "slices": along_path(path, length, 8, 12) + along_path(branch, 48, 8, 5, 2)})
+            self.assert_refused(["model", "tubes.json", "--priority", "aorta", "-o", "m.vtu"], 4, "E-PRI-002", "--separate")
+
     def test_a_slice_along_a_tube_is_told_and_without_it_the_tube_is_right(self):
         path, length = arch(60, 100)
         check = {"name": "check", "plane": {"origin": [30, 0, 0], "normal": [0, 1, 0]},

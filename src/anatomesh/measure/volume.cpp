@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <utility>
 
 #include "anatomesh/mesh/shape/quality.h"
+#include "anatomesh/slices/coverage/few_slices.h"
 
 namespace anatomesh {
 
@@ -74,6 +76,9 @@ std::vector<double> slice_volumes(const ContourSet& set, const SliceCoverage& co
         if (is_new) found->second = slice_thickness(set, found->first);
         thickness.push_back(&found->second);
     }
+    std::vector<double> most(set.structures.size(), std::numeric_limits<double>::infinity());
+    if (set.slice_thickness_mm > 0)
+        for (const std::uint32_t s : structures_on_few_slices(set)) most[s] = set.slice_thickness_mm;
     std::vector<double> volumes(set.structures.size(), 0.0);
     std::vector<double> areas(set.structures.size());
     for (std::size_t s = 0; s < set.slices.size(); ++s) {
@@ -82,7 +87,7 @@ std::vector<double> slice_volumes(const ContourSet& set, const SliceCoverage& co
         for (const Contour& contour : set.contours_of(slice)) {
             areas[contour.structure] += signed_area(set.points_of(contour), slice.plane.normal);
         }
-        for (std::size_t i = 0; i < areas.size(); ++i) volumes[i] += std::abs(areas[i]) * (*thickness[i])[s];
+        for (std::size_t i = 0; i < areas.size(); ++i) volumes[i] += std::abs(areas[i]) * std::min((*thickness[i])[s], most[i]);
     }
     return volumes;
 }

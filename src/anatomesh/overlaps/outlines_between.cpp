@@ -20,6 +20,7 @@
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/slices/coverage/covering_slices.h"
+#include "anatomesh/slices/coverage/few_slices.h"
 #include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
@@ -196,9 +197,12 @@ class Outlines {
         for (std::uint32_t i = 0; i < intervals.size(); ++i) {
             if (alone.slices[intervals[i].slice].contour_count > 0) drawn.push_back(i);
         }
-        const std::vector<StructurePart> parts =
-            parts_of(structure_knots(intervals, drawn, false, median_spacing(alone), options_,
-                                     {heights_left_out(alone, 0, frame.origin, frame.normal), {}, {}}));
+        GapEvidence evidence;
+        evidence.left_out = heights_left_out(alone, 0, frame.origin, frame.normal);
+        evidence.thickness =
+            thickness_of(structures_on_few_slices(alone, intervals, options_.single_slice_mm), 0);
+        const std::vector<StructurePart> parts = parts_of(
+            structure_knots(intervals, drawn, false, median_spacing(alone), options_, evidence));
         for (const std::uint32_t k : slices) {
             const double height = frame.signed_distance(set_.slices[k].plane.origin);
             if (std::any_of(parts.begin(), parts.end(), [&](const StructurePart& part) {

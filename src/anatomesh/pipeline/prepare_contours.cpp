@@ -262,13 +262,28 @@ void warn_of_giving(const ContourSet& set, const PriorityResult& result, const s
     }
 }
 
+// Tubes that follow paths overlap between slices, where no contour can give the overlap to one of them; as structures
+// that exclude each other they would lose their paths.
+Error not_along_paths(const ContourSet& set, const std::string& file) {
+    return {ErrorKind::geometry,
+            "E-PRI-002",
+            "--priority gives overlaps away on the slices that draw them, but these structures are tubes on slices "
+            "across their own paths, and they overlap between slices",
+            {file, "", "", "", std::to_string(set.structures.size()) + " structures"},
+            "leave out --priority: each structure is modelled whole, and what they have in common is a region of its "
+            "own in the mesh; or model them one by one with --separate"};
+}
+
 Status give_to_first(PreparedContours& prepared, const PrepareOptions& options, RunContext& context) {
     if (options.priority.empty()) return Nothing{};
     ContourSet& kept = prepared.kept;
     const std::string file = input_name(options, kept.source);
     ANATOMESH_TRY(const std::vector<std::uint32_t> order,
                   find_in_order(kept.structures, options.priority, file));
+    const bool follows_paths = !arrangement_of(kept, options.field.max_gap_spacings).paths.empty();
     ANATOMESH_TRY(PriorityResult result, part_structures(kept, order, options.field, context));
+    if (follows_paths && result.kept.structures.size() > 1 && !result.kept.overlapping)
+        return not_along_paths(kept, file);
     for (const std::uint32_t s : result.order)
         prepared.options.emplace_back("priority", unique_text(kept.structures, s));
     warn_of_giving(kept, result, file, context);
@@ -289,6 +304,8 @@ void warn_of_outliers(const ContourSet& drawn, const PrepareOptions& options, Ru
 Result<PreparedContours> finished(PreparedContours prepared, const PrepareOptions& options, Stopwatch watch,
                                   RunContext& context, const ContoursCheck& check) {
     ANATOMESH_CHECK_STATUS(rename_structure(prepared, options));
+    // What the user says of slices takes the place of what the source says, for measures and written contours, too.
+    if (options.field.single_slice_mm > 0) prepared.kept.slice_thickness_mm = options.field.single_slice_mm;
     prepared.stages.push_back({"contours", watch.lap(), prepared.kept.points.size(), 0, {}});
     if (options.until != PrepareUntil::all) {
         warn_of_outliers(prepared.kept, options, context);

@@ -117,7 +117,8 @@ using ContoursCheck = std::function<Status(const ContourSet& kept)>;
 // Guarantees: a kept contour set (contour_set.h), the same at any thread count. Errors and warnings: those of
 // the steps; usage E-CMD-005 no structure of such a name; E-CMD-008 an option that does not apply to these
 // contours (choice.name of several structures; choice.every of slices that are not parallel, or leaving none; gaps closed of one structure
-// alone); E-RTS-010 (one_space.h); cancelled. Warnings of its own: W-CMD-006 what a structure gave to others,
+// alone); geometry E-PRI-002 priority of tubes along paths, which overlap between slices; E-RTS-010 (one_space.h);
+// cancelled. Warnings of its own: W-CMD-006 what a structure gave to others,
 // W-CMD-007 priority without overlaps. Complexity: that of the steps.
 Result<PreparedContours> prepare_contours(const RawContours& raw, const PrepareOptions& options,
                                           RunContext& context, const ContoursCheck& check = {});

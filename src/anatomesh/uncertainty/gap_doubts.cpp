@@ -10,6 +10,7 @@
 #include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/slices/arrangement/slice_arrangement.h"
 #include "anatomesh/slices/coverage/covering_slices.h"
+#include "anatomesh/slices/coverage/few_slices.h"
 
 namespace anatomesh {
 
@@ -47,15 +48,18 @@ GapDoubts::GapDoubts(const ContourSet& set, const FieldOptions& options)
     const std::vector<std::vector<double>> areas = drawn_areas(set);
     const double spacing = median_spacing(stack);
     if (intervals.empty() || !(spacing > 0)) return;
+    const std::vector<FewSlices> few = structures_on_few_slices(stack, intervals, options.single_slice_mm);
     for (std::uint32_t s = 0; s < areas.size(); ++s) {
         std::vector<std::uint32_t> drawn;
         for (std::uint32_t i = 0; i < intervals.size(); ++i) {
             if (areas[s][intervals[i].slice] > 0) drawn.push_back(i);
         }
         if (drawn.empty()) continue;
+        GapEvidence evidence;
+        evidence.left_out = heights_left_out(stack, s, frame_.origin, frame_.normal);
+        evidence.thickness = thickness_of(few, s);
         const StructureKnots found =
-            structure_knots(intervals, drawn, says_all(set), spacing, options,
-                            {heights_left_out(stack, s, frame_.origin, frame_.normal), {}, {}});
+            structure_knots(intervals, drawn, says_all(set), spacing, options, evidence);
         for (const SliceGap& gap : found.open_gaps) {
             const auto [low, high, a, b] = gap;
             // Empty levels stand a spacing from both sides.

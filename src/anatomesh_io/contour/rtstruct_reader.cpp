@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -94,6 +95,8 @@ class RtStructReader {
                                              [&](DcmItem& item) { return read_declaration(item); }));
         ANATOMESH_CHECK_STATUS(
             for_each_item(data_set_, DCM_ROIContourSequence, [&](DcmItem& item) { return read_roi(item); }));
+        // Where contours state different ones, none is that of all slices.
+        if (thicknesses_.size() == 1) builder_.slice_thickness_mm = *thicknesses_.begin();
         return check_unit();
     }
 
@@ -223,6 +226,9 @@ class RtStructReader {
                                    "ROI " + std::to_string(roi) + ", contour " + std::to_string(index)));
         ANATOMESH_TRY(const auto kind, kind_of(item));
         builder_.set_kind(builder_.contour_count() - 1, kind);
+        if (const auto thickness = parse_number(without_padding(text_of(item, DCM_RETIRED_ContourSlabThickness)));
+            thickness && *thickness > 0)
+            thicknesses_.insert(*thickness);
         const std::string_view data = text_of(item, DCM_ContourData);
         if (data.empty())
             return failure("E-RTS-006", "ContourData is missing or empty", {}, builder_.contour_place());
@@ -347,6 +353,7 @@ class RtStructReader {
     std::map<std::string, std::uint32_t, std::less<>> spaces_;  // frames of reference, from 1
     std::map<std::int32_t, std::uint32_t> space_of_;            // of the ROIs that name one, by number
     std::array<std::vector<double>, 3> heights_;                // of the contours normal to each axis
+    std::set<double> thicknesses_;                               // that contours state
     Box3 box_;
 };
 

@@ -175,6 +175,8 @@ void write_contour(DicomWriter& writer, const ContourSet& set, const Contour& co
         writer.end_sequence();
     }
     writer.element(tags::contour_geometric_type, "CS", "CLOSED_PLANAR");
+    // The standard has retired it and names no other; without it a structure on one slice has no thickness.
+    if (set.slice_thickness_mm > 0) writer.decimals(tags::contour_slab_thickness, {set.slice_thickness_mm});
     writer.whole_number(tags::number_of_contour_points, contour.point_count);
     std::string data;
     data.reserve(std::size_t{contour.point_count} * 48);

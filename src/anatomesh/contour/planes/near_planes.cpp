@@ -33,6 +33,7 @@ struct Reading {
     bool is_repeated = false;           // a structure has contours on several of its planes
     bool has_repeats = false;           // and on two of them nearly the same one
     bool is_compared = false;           // there are slices beside it
+    bool is_beside = true;              // no contours of a structure on two of its planes lie over each other
     double as_one = 0, as_several = 0;  // how much the structures differ from slice to slice
 };
 
@@ -78,6 +79,7 @@ class StackReader {
             add(run, structure, one);
             add(after, structure, one);
             reading.is_repeated = true;
+            reading.is_beside &= are_beside(std::span(several).subspan(beside, run.second - run.first));
             reading.has_repeats |= has_repeats;
             reading.is_compared |= one.size() > 1;
             reading.as_one += has_repeats ? 1 : mean_difference(one);
@@ -113,6 +115,20 @@ class StackReader {
             }
         }
         if (!slice.empty()) slices.push_back(std::move(slice));
+    }
+
+    // Whether the boxes of what the slices hold have nothing in common, seen along the normal.
+    bool are_beside(std::span<const Contours> slices) const {
+        std::vector<Box2> boxes(slices.size());
+        for (std::size_t s = 0; s < slices.size(); ++s)
+            for (const std::uint32_t c : slices[s])
+                for (const Vec3& p : contours_[c].points) boxes[s].extend(frame_.to_plane(p));
+        for (std::size_t s = 0; s < boxes.size(); ++s)
+            for (std::size_t t = 0; t < s; ++t)
+                if (boxes[s].low.x <= boxes[t].high.x && boxes[t].low.x <= boxes[s].high.x &&
+                    boxes[s].low.y <= boxes[t].high.y && boxes[t].low.y <= boxes[s].high.y)
+                    return false;
+        return true;
     }
 
     // By the even-odd rule, along lines of equal distance.
@@ -199,7 +215,8 @@ class StackReader {
 }  // namespace
 
 std::vector<Run> runs_of_one_slice(std::span<const PositionedCluster> stack,
-                                   std::span<const ContourToPlace> contours, Vec3 normal, double most_mm) {
+                                   std::span<const ContourToPlace> contours, Vec3 normal, double most_mm,
+                                   bool is_whole_set) {
     const StackReader reader(stack, contours, normal);
     const std::vector<Run> near = reader.near_runs(most_mm);
     std::vector<Reading> readings;
@@ -223,6 +240,7 @@ std::vector<Run> runs_of_one_slice(std::span<const PositionedCluster> stack,
     std::vector<Run> runs;
     for (std::size_t i = 0; i < near.size(); ++i) {
         const Reading& reading = readings[i];
+        if (!is_whole_set && reading.is_repeated && reading.is_beside && !reading.is_within_noise) continue;
         // The last slice has a neighbour on one side only, and a knob on it looks like its hole: so that one
         // within the stack must show it too.
         const bool is_likelier =

@@ -30,10 +30,13 @@ struct PositionedCluster {
 //   solid at two heights stay two. At an end of the stack, only if a run within it shows the same.
 // How much two slices differ: the area in one of them alone, as a share of both areas; regions by the
 // even-odd rule, areas by scan lines. Contours on two of the planes that differ by less than a tenth of their
-// area are two slices of one thing. Complexity: O(stack), and for each run that is near enough O(its points
+// area are two slices of one thing. Where the set has planes of other directions, too (not `is_whole_set`), contours
+// that lie beside each other in the plane show nothing, because they may be legs of one bent tube: such planes are
+// one only within the noise of their points. Complexity: O(stack), and for each run that is near enough O(its points
 // and those beside it, times the scan lines they cross), its contours of one structure in pairs.
 std::vector<std::pair<std::size_t, std::size_t>> runs_of_one_slice(std::span<const PositionedCluster> stack,
                                                                    std::span<const ContourToPlace> contours,
-                                                                   Vec3 normal, double most_mm);
+                                                                   Vec3 normal, double most_mm,
+                                                                   bool is_whole_set);
 
 }  // namespace anatomesh

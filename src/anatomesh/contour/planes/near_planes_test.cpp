@@ -64,6 +64,41 @@ struct Drawn {
 
 const std::vector<Vec3> normals{{0, 0, 1}, {0.3, -0.2, 1}};
 
+// Two legs of a bent tube whose slices lie a little apart along their normal, beside each other; the bend is drawn
+// across its path. In a set without other planes they are one slice each, as two vessels on one image are.
+TEST(NearPlanes, legs_of_a_bent_tube_keep_slices_of_their_own) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> between(0, 1);
+    for (int n = 0; n < 60; ++n) {
+        const double spacing = 3 + 4 * between(random), off = 0.03 + 0.9 * between(random);
+        const double bend = 24 + 10 * between(random), radius = 5 + 7 * between(random);
+        for (const bool has_bend : {true, false}) {
+            Drawn legs;
+            for (std::size_t k = 0; k < 10; ++k) {
+                const double z = -spacing * static_cast<double>(k);
+                legs.circle(z, radius, has_bend ? 2 * k : k, {-bend, 0});
+                legs.circle(z - off, radius, has_bend ? 2 * k + 1 : k, {bend, 0});
+            }
+            for (int k = 1; has_bend && k < 12; ++k) {
+                const double a = std::numbers::pi * k / 12;
+                Points ring;
+                for (int i = 0; i < 48; ++i) {
+                    const double t = 2 * std::numbers::pi * (i + 0.3) / 48, out = bend + radius * std::cos(t);
+                    ring.push_back({-out * std::cos(a), radius * std::sin(t), out * std::sin(a) + spacing});
+                }
+                legs.contours.push_back(std::move(ring));
+                legs.slices.push_back(100 + static_cast<std::size_t>(k));
+                legs.structures.push_back(0);
+            }
+            const PlaneGroups groups = legs.group();
+            for (std::size_t c = 0; c < 20; ++c)
+                for (std::size_t d = 0; d < c; ++d)
+                    ASSERT_EQ(legs.slices[c] == legs.slices[d], groups.slice_of[c] == groups.slice_of[d])
+                        << n << " " << c << " " << d << " spacing " << spacing << " off " << off;
+        }
+    }
+}
+
 TEST(NearPlanes, RS09_noise_off_the_planes_does_not_part_the_contours_of_a_slice) {
     for (const Vec3 normal : normals) {
         for (const double noise : {0.02, 0.05, 0.1, 0.3, 0.6}) {

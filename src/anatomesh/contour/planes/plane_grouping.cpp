@@ -115,10 +115,12 @@ struct GroupingInput {
 std::vector<std::uint32_t> run_of_each(const GroupingInput& input, const ContourOrientations& orientations) {
     std::vector<std::uint32_t> run_of(input.merged.contours.size());
     std::iota(run_of.begin(), run_of.end(), 0u);
-    for (const PlaneStack& stack : input.stacks(orientations)) {
+    const std::vector<PlaneStack> stacks = input.stacks(orientations);
+    for (const PlaneStack& stack : stacks) {
         const auto [clusters, first_of] = clustered(stack, input.merged, input.same_mm(stack));
         for (const auto& [first, last] :
-             runs_of_one_slice(clusters, input.contours, stack.normal, input.options.plane_repair_mm)) {
+             runs_of_one_slice(clusters, input.contours, stack.normal, input.options.plane_repair_mm,
+                               stacks.size() == 1)) {
             const std::uint32_t run = run_of[stack.contours[first_of[first]].contour];
             for (std::size_t i = first_of[first]; i < first_of[last]; ++i)
                 run_of[stack.contours[i].contour] = run;

@@ -559,9 +559,11 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     const bool joins = options.between_sparse == BetweenSparse::interpolated && is_sparse_along(sparse, axes);
     set.exclusive = set.complete = !joins;
     set.pixel_mm = axes.pixel();
-    set.slice_thickness_mm = std::abs(dot(axes.step[2], axes.normal));
+    const double voxel_mm = std::abs(dot(axes.step[2], axes.normal));
     set.source = labels.source;
     assemble(slices, axes, set);
+    // Slices that are joined as if drawn by hand stand for more than their voxels.
+    set.slice_thickness_mm = joins && set.slices.size() > 1 ? 0 : voxel_mm;
 
     TraceStats& stats = result.stats;
     sum_up(slices, axes.pixel_area(), stats);
@@ -572,7 +574,7 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     if (set.contours.empty()) return no_contours_error(labels, axes, slices.size(), stats);
     warn_about_pieces(stats, labels.source, context);
     warn_about_areas(slices, stats, set, context);
-    warn_about_volumes(slices, set.slice_thickness_mm * options.every,
+    warn_about_volumes(slices, voxel_mm * options.every,
                        settings.epsilon > default_epsilon * axes.pixel(), labels, context);
     warn_about_structures(labels, slices, set, context);
     warn_about_missed_pieces(labels, axes, options, settings.min_pixels, set, context);

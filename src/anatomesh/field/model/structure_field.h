@@ -33,9 +33,12 @@ struct FieldOptions {
     // Parallel slices: each says something of every structure, also of one that is drawn on single slices;
     // else one drawn on every n-th slice is told of by its own alone.
     bool every_slice_covers = false;
-    // Thickness given to a set that is one slice alone, where no spacing can be found. mm; 0: refused. [0,
-    // 1000]
+    // Parallel slices: how thick a slice is of a structure that is drawn on one or two of them alone. mm; 0: as
+    // few_slices.h finds it; a set of one slice whose thickness nothing says is refused. [0, 1000]
     double single_slice_mm = 0;
+    // Parallel slices: such a structure is as thick as few_slices.h finds it; else as its gaps are wide. A part of a
+    // set may draw a structure on few slices that the whole draws on many.
+    bool knows_few_slices = true;
     // Planes in any position: how far beyond its own contours a plane still says "outside". mm; 0: one
     // spacing.
     double plane_margin_mm = 0;

@@ -329,6 +329,7 @@ Result<std::shared_ptr<const PathField>> field_along(const std::vector<SlicePath
                                                      const ContourSet& set, FieldOptions options,
                                                      RunContext& context) {
     if (!(options.clamp_mm > 0)) options.clamp_mm = clamp_spacings * spacing_of(paths);
+    options.knows_few_slices = false;
     const std::vector<SkippedContour> skipped = skipped_contours(set, paths);
     PathField::Fields in_charts;
     for (std::uint32_t n = 0; n < paths.size(); ++n) {

@@ -23,6 +23,7 @@
 #include "anatomesh/field/stack/terminating_components.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/coverage/covering_slices.h"
+#include "anatomesh/slices/coverage/few_slices.h"
 
 namespace anatomesh {
 
@@ -85,8 +86,9 @@ class ParallelField final : public FieldQueries<ParallelField> {
     Result<std::vector<StructureVolume>> volumes(std::uint32_t count, const VolumeOptions& options,
                                                  RunContext& context) const override;
 
+    // `few`: of the structures that are drawn on few slices.
     Status build(const ContourSet& set, const std::vector<SliceInterval>& intervals,
-                 const FieldOptions& options, RunContext& context);
+                 const std::vector<FewSlices>& few, const FieldOptions& options, RunContext& context);
 
   private:
     struct NearEntry {
@@ -109,7 +111,8 @@ class ParallelField final : public FieldQueries<ParallelField> {
     Status find_motions(const ContourSet& set, RunContext& context);
     void add_terminations_to_union(std::size_t pair);
     void build_structure_stacks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
-                                const FieldOptions& options, RunContext& context);
+                                const std::vector<FewSlices>& few, const FieldOptions& options,
+                                RunContext& context);
     void build_near_table();
     void build_box();
 
@@ -162,7 +165,8 @@ Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
 }
 
 void ParallelField::build_structure_stacks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
-                                           const FieldOptions& options, RunContext& context) {
+                                           const std::vector<FewSlices>& few, const FieldOptions& options,
+                                           RunContext& context) {
     structure_stacks_.resize(set.structures.size());
     const auto knots_of = [&](std::uint32_t s, const std::vector<StructurePart>& parts) {
         std::vector<std::uint32_t> drawn;
@@ -176,6 +180,7 @@ void ParallelField::build_structure_stacks(const ContourSet& set, const std::vec
         for (const std::uint32_t i : drawn) {
             if (!is_union && is_interpolated(set, intervals[i].slice, s)) evidence.interpolated.push_back(i);
         }
+        evidence.thickness = thickness_of(few, s);
         return structure_knots(intervals, drawn, every_slice, spacing_, options, evidence);
     };
     // Where some have slices of their own, others may end where they go on.
@@ -292,7 +297,8 @@ void ParallelField::build_box() {
 }
 
 Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterval>& intervals,
-                            const FieldOptions& options, RunContext& context) {
+                            const std::vector<FewSlices>& few, const FieldOptions& options,
+                            RunContext& context) {
     ANATOMESH_CHECK_STATUS(build_maps(set, context));
     if (maps_.empty()) {
         return Error{ErrorKind::geometry,
@@ -301,7 +307,7 @@ Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterv
                      {set.source, "", "", "", ""},
                      "check the contours; each needs three points or more and an area"};
     }
-    build_structure_stacks(set, intervals, options, context);
+    build_structure_stacks(set, intervals, few, options, context);
     ANATOMESH_CHECK_STATUS(find_motions(set, context));
     build_near_table();
     build_box();
@@ -468,7 +474,11 @@ Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourS
     const Plane& frame = set.slices.front().plane;
     const std::vector<SliceInterval> intervals = parallel_intervals(set, frame);
     assert(!intervals.empty());
+    std::vector<FewSlices> few;
+    if (options.knows_few_slices && !options.every_slice_covers && intervals.size() > 1)
+        few = structures_on_few_slices(set, intervals, options.single_slice_mm);
     double spacing = median_gap(intervals);
+    if (const double thickness = thickness_of_all(set, few); thickness > 0) spacing = thickness;
     if (spacing <= 0) spacing = options.single_slice_mm;
     if (spacing <= 0) spacing = set.slice_thickness_mm;
     if (spacing <= 0) {
@@ -483,7 +493,8 @@ Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourS
     const bool several = std::count(used.begin(), used.end(), true) > 1;
     const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 1.5 * spacing;
     auto field = std::make_shared<ParallelField>(frame, spacing, clamp, set.exclusive && several);
-    ANATOMESH_CHECK_STATUS(field->build(set, intervals, options, context));
+    warn_about_few_slices(set, few, context);
+    ANATOMESH_CHECK_STATUS(field->build(set, intervals, few, options, context));
     return std::shared_ptr<const StructureField>(std::move(field));
 }
 

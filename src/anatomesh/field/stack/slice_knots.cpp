@@ -269,6 +269,8 @@ class KnotMaker {
             if (i > 0 && slices_.place[i] != slices_.place[i - 1]) pass_gap(i);
             if (i == 0) made_.knots.push_back(end_knot(covering[0], -1, spacing_at(0, 1)));
             const bool is_drawn = next_drawn < drawn.size() && drawn[next_drawn] == covering[i];
+            if (i > 0 && is_drawn != (next_drawn > 0 && drawn[next_drawn - 1] == covering[i - 1]))
+                end_within_gap(covering[i - 1], covering[i], is_drawn);
             next_drawn += is_drawn;
             add_slice(covering[i], is_drawn);
         }
@@ -278,9 +280,13 @@ class KnotMaker {
     }
 
   private:
+    double spacings(std::size_t gap) const {
+        return evidence_.thickness > 0 ? gaps_[gap] / evidence_.thickness : gaps_.spacings(gap);
+    }
+
     // Where its own slices were left out, of usual gaps, it goes on.
     bool is_open(std::size_t gap) const {
-        const double spacings = gaps_.spacings(gap);
+        const double spacings = this->spacings(gap);
         const double low = intervals_[slices_.known[gap]].high, high = intervals_[slices_.known[gap + 1]].low;
         return spacings > widest_ && spacings * widest_part(low, high, evidence_.left_out) > hardly_wider &&
                !(evidence_.of_all && has_part(evidence_.parts, low, high));
@@ -303,6 +309,7 @@ class KnotMaker {
     double spacing_at(std::size_t end, int inward) const {
         const SliceInterval& slice = intervals_[slices_.known[end]];
         if (const auto told = spacing_of_parts(evidence_.parts, slice, inward)) return *told;
+        if (evidence_.thickness > 0) return evidence_.thickness;
         if (gaps_.size() == 0) return spacing_;
         const std::vector<double> more = gaps_from(end, inward);
         std::vector<double> own(more.begin(), more.begin() + std::min<std::ptrdiff_t>(4, std::ssize(more)));
@@ -324,7 +331,8 @@ class KnotMaker {
             const double gap =
                 direction > 0 ? next.low - intervals_[at].high : intervals_[at].low - next.high;
             const double low = std::min(intervals_[at].high, next.high), high = low + gap;
-            if (gap <= options_.max_gap_spacings * local || has_part(evidence_.parts, low, high))
+            const double near = evidence_.thickness > 0 ? joined_more : options_.max_gap_spacings;
+            if (gap <= near * local || has_part(evidence_.parts, low, high))
                 return {next.low, next.high, SliceKnot::no_slice};
         }
         const double z = direction > 0 ? intervals_[at].high + local : intervals_[at].low - local;
@@ -354,6 +362,15 @@ class KnotMaker {
         made_.flat.push_back(extent);
     }
 
+    // One of the two slices draws it, the upper one if `is_upper`: it ends as far from that as its slices are thick,
+    // where the other one, which is empty, is further away.
+    void end_within_gap(std::uint32_t below, std::uint32_t above, bool is_upper) {
+        const double low = intervals_[below].high, high = intervals_[above].low, thickness = evidence_.thickness;
+        if (!(thickness > 0) || high - low <= joined_more * thickness) return;
+        const double end = is_upper ? high - thickness : low + thickness;
+        if (end > made_.knots.back().high) made_.knots.push_back({end, end, SliceKnot::no_slice});
+    }
+
     // The gap below covering slice i: an open one ends a part and begins another; a wide one is told of.
     void pass_gap(std::size_t i) {
         const std::size_t g = slices_.place[i - 1];
@@ -368,7 +385,7 @@ class KnotMaker {
             const double above = std::max(ends.high - std::min(spacing_at(g + 1, 1), 0.5 * gap), below);
             close_part({below, below, SliceKnot::no_slice});
             made_.knots.push_back({above, above, SliceKnot::no_slice});
-        } else if (gaps_.spacings(g) > hardly_wider || gaps_.spacings_if_even(g) > widest_) {
+        } else if (spacings(g) > hardly_wider || gaps_.spacings_if_even(g) > widest_) {
             made_.bridged_gaps.push_back(ends);
         } else if (gaps_.spacing_without_groups(g) < gaps_.local_spacing(g) &&
                    gap > widest_ * gaps_.spacing_without_groups(g)) {

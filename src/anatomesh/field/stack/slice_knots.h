@@ -64,6 +64,9 @@ struct GapEvidence {
     // as far as the nearest of them. All of them together (`of_all`) go on where one does.
     std::vector<StructurePart> parts;
     bool of_all = false;
+    // How thick a slice is of a structure that too few slices draw to show a spacing (few_slices.h): so far do its
+    // ends reach, and by it its one gap is wide. 0: its own gap, or the set's spacing.
+    double thickness = 0;
 };
 
 // Knots of a structure drawn on the slices intervals[drawn[..]] (rising, at least one).

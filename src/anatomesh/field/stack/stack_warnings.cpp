@@ -1,5 +1,6 @@
 #include "anatomesh/field/stack/stack_warnings.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <string>
@@ -24,7 +25,56 @@ std::string slice_text(const ContourSet& set, std::uint32_t slice) {
     return set.slices[slice].name.empty() ? "slice " + std::to_string(slice) : set.slices[slice].name;
 }
 
+// The names of up to three structures, and how many more there are.
+std::string names_of(const ContourSet& set, const std::vector<const FewSlices*>& which) {
+    constexpr std::size_t most_named = 3;
+    std::string names;
+    for (std::size_t n = 0; n < std::min(most_named, which.size()); ++n)
+        names += (n > 0 ? ", " : "") + structure_text(set.structures[which[n]->structure]);
+    if (which.size() > most_named) names += " and " + std::to_string(which.size() - most_named) + " more";
+    return names;
+}
+
+const char* done_about(ThicknessBy by) {
+    switch (by) {
+        case ThicknessBy::option: break;
+        case ThicknessBy::source:
+            return "each is as thick as the source says that a slice is; --slice-thickness gives another thickness";
+        case ThicknessBy::others:
+            return "each is as thick as the slices of other structures are apart; --slice-thickness gives another "
+                   "thickness";
+        case ThicknessBy::nothing:
+            return "nothing says how thick a slice is, so that each reaches half-way to the slices beside it, or half "
+                   "of that gap beyond the last one; --slice-thickness states the thickness";
+    }
+    return "each is as thick as --slice-thickness says";
+}
+
 }  // namespace
+
+void warn_about_few_slices(const ContourSet& set, const std::vector<FewSlices>& few, RunContext& context) {
+    for (const ThicknessBy by : {ThicknessBy::source, ThicknessBy::others, ThicknessBy::nothing}) {
+        for (const std::size_t count : {std::size_t{1}, std::size_t{2}}) {
+            if (count > 1 && by != ThicknessBy::nothing) continue;
+            std::vector<const FewSlices*> which;
+            for (const FewSlices& each : few)
+                if (each.by == by && each.slices.size() == count) which.push_back(&each);
+            if (which.empty()) continue;
+            const FewSlices& first = *which.front();
+            std::string slices = slice_text(set, first.slices[0]);
+            if (count > 1) slices += " and " + slice_text(set, first.slices[1]);
+            std::string value = std::to_string(which.size()) + (which.size() == 1 ? " structure" : " structures");
+            if (first.mm > 0) value += ", the first " + text(first.mm) + " mm thick";
+            context.warn({"W-FLD-021",
+                          count == 1 ? "a structure is drawn on one slice alone, so that nothing shows how it goes on "
+                                       "above and below"
+                                     : "a structure is drawn on two slices alone, so that nothing shows whether it "
+                                       "goes on between and beyond them",
+                          {set.source, slices, names_of(set, which), "", value},
+                          done_about(by)});
+        }
+    }
+}
 
 void warn_about_knots(const ContourSet& set, std::uint32_t structure, const StructureKnots& knots,
                       RunContext& context) {

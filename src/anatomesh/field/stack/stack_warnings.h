@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/field/stack/slice_knots.h"
 #include "anatomesh/field/stack/structure_stack.h"
+#include "anatomesh/slices/coverage/few_slices.h"
 
 namespace anatomesh {
 
@@ -15,6 +17,10 @@ namespace anatomesh {
 // part on one slice that cannot end flat (-004).
 void warn_about_knots(const ContourSet& set, std::uint32_t structure, const StructureKnots& knots,
                       RunContext& context);
+
+// W-FLD-021, once for each way in which the thickness is known: structures that are drawn on one slice alone, so that
+// nothing drawn shows how they go on above and below; and those on two of which nothing says how thick they are.
+void warn_about_few_slices(const ContourSet& set, const std::vector<FewSlices>& few, RunContext& context);
 
 // W-FLD-005, once for each structure: neighbouring slices on which it has no point in common, as seen along
 // the normal, so that what is between them is a guess. `slice_of_map`: of the distance maps that the stacks

@@ -16,6 +16,7 @@
 #include "anatomesh/measure/topology/stacks_of_slices.h"
 #include "anatomesh/mesh/model/buckets.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
+#include "anatomesh/slices/coverage/few_slices.h"
 
 namespace anatomesh {
 
@@ -194,7 +195,10 @@ class StackTopology {
           chains_(contours.contours.size() + surface.size()),
           sides_(contours.contours.size() + surface.size(), 0),
           sums_(sides_.size()) {
-        const double median = median_spacing(contours);
+        const std::vector<std::uint32_t> few = structures_on_few_slices(contours);
+        const bool is_few = std::binary_search(few.begin(), few.end(), structure);
+        const double spacing = is_few && contours.slice_thickness_mm > 0 ? contours.slice_thickness_mm
+                                                                         : median_spacing(contours);
         for (std::uint32_t k = 0; k <= last_; ++k) {
             const double level =
                 dot(contours.slices[k].plane.origin, contours.slices.front().plane.normal) + 2 * tolerance;
@@ -202,7 +206,7 @@ class StackTopology {
             const bool drawn = std::any_of(all.begin(), all.end(),
                                            [&](const Contour& c) { return c.structure == structure; });
             if (k > 0)
-                joined_.push_back(drawn && drawn_.back() && level - levels_.back() <= widest_gap * median &&
+                joined_.push_back(drawn && drawn_.back() && level - levels_.back() <= widest_gap * spacing &&
                                   (turns.empty() || !turns[k - 1]));
             levels_.push_back(level);
             drawn_.push_back(drawn);

@@ -30,7 +30,8 @@ struct TopologyMismatch {
 // other, which has none, these close by a disc each, which add one. Before the first slice and beyond the
 // last one it closes without a handle. A hole through a wall takes two from the number, and so does a bridge
 // to another wall; a gap that is filled may leave cavities, which add two. Where parts branch, vanish or slip
-// past each other nothing is said; nor between slices further apart than 1.5 median gaps. Slices of a sweep
+// past each other nothing is said; nor between slices further apart than 1.5 median gaps, or
+// than 1.5 times the thickness that is stated of slices, of a structure on few of them (few_slices.h). Slices of a sweep
 // are judged in its chart coordinates (sweep.h), of a stack with a few planes across it those of the
 // stack, of planes in any position each family of parallel ones (stacks_of_slices.h), and for every structure
 // the stack that sees most amiss counts; but between two slices nothing is said where contours of planes
