@@ -71,6 +71,14 @@ Status add_materials(ModelFile& model, const MaterialFile& laws, std::span<const
     return Nothing{};
 }
 
+Error without_grey(const ElementOptions& options) {
+    return {ErrorKind::usage,
+            "E-CMD-008",
+            "a material law needs grey values, and the model has none",
+            {options.material, "", "", "", "--material"},
+            "give the image with --grey"};
+}
+
 }  // namespace
 
 std::vector<std::string> ElementOptions::inputs() const {
@@ -112,6 +120,15 @@ Status check_order(const ElementOptions& options, const std::string& output) {
                  "write .vtu, .msh, .inp or .feb"};
 }
 
+Status check_materials(const ElementOptions& options, std::span<const Structure> structures, bool has_grey,
+                       const InputLimits& limits) {
+    if (options.material.empty()) return Nothing{};
+    ANATOMESH_TRY(const MaterialFile laws, read_material_file(options.material, limits));
+    ANATOMESH_CHECK_STATUS(check_law_names(laws, structures));
+    if (needs_grey(laws) && !has_grey && options.grey.empty()) return without_grey(options);
+    return Nothing{};
+}
+
 Result<CellValues> add_cell_values(ModelFile& model, const ElementOptions& options, const InputOptions* own,
                                    Session& session, std::span<const Structure> others) {
     CellValues done;
@@ -131,13 +148,7 @@ Result<CellValues> add_cell_values(ModelFile& model, const ElementOptions& optio
     if (!options.grey.empty() || (wants_grey && again)) {
         ANATOMESH_CHECK_STATUS(add_grey(model, image, again, session, done));
     }
-    if (wants_grey && model.grey.empty()) {
-        return Error{ErrorKind::usage,
-                     "E-CMD-008",
-                     "a material law needs grey values, and the model has none",
-                     {options.material, "", "", "", "--material"},
-                     "give the image with --grey"};
-    }
+    if (wants_grey && model.grey.empty()) return without_grey(options);
     if (laws) {
         ANATOMESH_CHECK_STATUS(add_materials(model, *laws, others, done));
     }

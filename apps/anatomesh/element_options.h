@@ -31,6 +31,12 @@ void add_element_options(CLI::App& verb, ElementOptions& options);
 // The format of `output` can hold quadratic elements where they are asked for. Error: usage E-MDL-014.
 Status check_order(const ElementOptions& options, const std::string& output);
 
+// Refuses before the mesh is made what add_cell_values() would refuse after it: a file of laws that cannot be read, that
+// names no structure of the model, or that needs grey values where there are none. `has_grey`: the model is made from a
+// grey image.
+Status check_materials(const ElementOptions& options, std::span<const Structure> structures, bool has_grey,
+                       const InputLimits& limits);
+
 // What was read and done, for the report.
 struct CellValues {
     std::vector<InputReport> files;

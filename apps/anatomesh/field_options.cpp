@@ -29,10 +29,10 @@ void add_field_rule_options(CLI::App& verb, FieldOptions& options) {
                            "spacings, 1 to 1000000. "
                            "Default: {}.",
                            options.max_gap_spacings));
-    add_slice_thickness_option(
-        verb, options.single_slice_mm,
-        "Thickness of the slices of structures that are drawn on one or two slices alone. It is needed where there is "
-        "one slice in all and nothing states it");
+    add_slice_thickness_option(verb, options.single_slice_mm,
+                               "Thickness of the slices of structures that are drawn on one or two slices "
+                               "alone. It is needed where there is "
+                               "one slice in all and nothing states it");
     group_new_options(verb, option_group::slices);
 }
 
@@ -51,8 +51,9 @@ Error slice_thickness_without_use(const std::string& input, const std::string& w
 Status check_slice_thickness(double slice_mm, const std::string& input, const ContourSet& kept) {
     if (slice_mm == 0 || kept.slices.size() < 2 || !structures_on_few_slices(kept).empty()) return Nothing{};
     return slice_thickness_without_use(
-        input, says_all(kept) ? "the slices say all of every structure, so that they end it where it is absent"
-                              : "every structure is drawn on three slices or more, which show it");
+        input, says_all(kept)
+                   ? "the slices say all of every structure, so that they end it where it is absent"
+                   : "every structure is drawn on three slices or more, which show it");
 }
 
 }  // namespace anatomesh

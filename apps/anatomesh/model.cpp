@@ -359,6 +359,9 @@ Status run_model(ModelVerbOptions options, Session& session) {
     const auto check = [&](const ContourSet& kept) -> Status {
         ANATOMESH_CHECK_STATUS(
             check_slice_thickness(options.input.prepare.field.single_slice_mm, options.input.input, kept));
+        ANATOMESH_CHECK_STATUS(check_materials(options.element, kept.structures,
+                                               options.input.prepare.label_maps.threshold.has_value(),
+                                               session.limits.input));
         return check_reconcile_options(kept, options.input);
     };
     ANATOMESH_TRY(const InputContours contours,

@@ -276,6 +276,11 @@ class Elements(harness.TestCase):
         self.write("bone.json", {"format": "anatomesh-material", "version": 1, "laws": laws})
         model = ["model", "ct.nrrd", "--threshold", "200", "-o", "ball.vtu", "--material", "bone.json"]
         self.assert_refused(model, 3, "E-MAT-004", "threshold 200", "--name", outputs=["ball.vtu"])
+        # Before the mesh is made: nothing is said of cells.
+        self.assert_refused([*model, "--name", "bone", "--size", "0.01", "--material", "ct.nrrd"], 3, "E-MAT-001")
+        for table, wanted in (([[5, -1]], "moduli are above 0"), ([[5, 1], [4, 1]], "grey values rise")):
+            self.write("wrong.json", {"format": "anatomesh-material", "version": 1, "laws": [{"table": table}]})
+            self.assert_refused([*model[:-1], "wrong.json", "--size", "0.01"], 3, "E-MAT-002", wanted)
         result = self.run_program(*model, "--name", "bone")
         self.assertRegex(result.out, r"material of bone: \d+ materials?, [\d.]+ mm3, E [\d.]+ to [\d.]+ MPa")
         low, high = map(float, re.search(r"E ([\d.]+) to ([\d.]+) MPa", result.out).groups())

@@ -87,7 +87,8 @@ std::vector<double> slice_volumes(const ContourSet& set, const SliceCoverage& co
         for (const Contour& contour : set.contours_of(slice)) {
             areas[contour.structure] += signed_area(set.points_of(contour), slice.plane.normal);
         }
-        for (std::size_t i = 0; i < areas.size(); ++i) volumes[i] += std::abs(areas[i]) * std::min((*thickness[i])[s], most[i]);
+        for (std::size_t i = 0; i < areas.size(); ++i)
+            volumes[i] += std::abs(areas[i]) * std::min((*thickness[i])[s], most[i]);
     }
     return volumes;
 }

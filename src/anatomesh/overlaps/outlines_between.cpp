@@ -201,8 +201,8 @@ class Outlines {
         evidence.left_out = heights_left_out(alone, 0, frame.origin, frame.normal);
         evidence.thickness =
             thickness_of(structures_on_few_slices(alone, intervals, options_.single_slice_mm), 0);
-        const std::vector<StructurePart> parts = parts_of(
-            structure_knots(intervals, drawn, false, median_spacing(alone), options_, evidence));
+        const std::vector<StructurePart> parts =
+            parts_of(structure_knots(intervals, drawn, false, median_spacing(alone), options_, evidence));
         for (const std::uint32_t k : slices) {
             const double height = frame.signed_distance(set_.slices[k].plane.origin);
             if (std::any_of(parts.begin(), parts.end(), [&](const StructurePart& part) {

@@ -267,10 +267,12 @@ void warn_of_giving(const ContourSet& set, const PriorityResult& result, const s
 Error not_along_paths(const ContourSet& set, const std::string& file) {
     return {ErrorKind::geometry,
             "E-PRI-002",
-            "--priority gives overlaps away on the slices that draw them, but these structures are tubes on slices "
+            "--priority gives overlaps away on the slices that draw them, but these structures are tubes on "
+            "slices "
             "across their own paths, and they overlap between slices",
             {file, "", "", "", std::to_string(set.structures.size()) + " structures"},
-            "leave out --priority: each structure is modelled whole, and what they have in common is a region of its "
+            "leave out --priority: each structure is modelled whole, and what they have in common is a "
+            "region of its "
             "own in the mesh; or model them one by one with --separate"};
 }
 

@@ -226,7 +226,8 @@ class RtStructReader {
                                    "ROI " + std::to_string(roi) + ", contour " + std::to_string(index)));
         ANATOMESH_TRY(const auto kind, kind_of(item));
         builder_.set_kind(builder_.contour_count() - 1, kind);
-        if (const auto thickness = parse_number(without_padding(text_of(item, DCM_RETIRED_ContourSlabThickness)));
+        if (const auto thickness =
+                parse_number(without_padding(text_of(item, DCM_RETIRED_ContourSlabThickness)));
             thickness && *thickness > 0)
             thicknesses_.insert(*thickness);
         const std::string_view data = text_of(item, DCM_ContourData);
@@ -353,7 +354,7 @@ class RtStructReader {
     std::map<std::string, std::uint32_t, std::less<>> spaces_;  // frames of reference, from 1
     std::map<std::int32_t, std::uint32_t> space_of_;            // of the ROIs that name one, by number
     std::array<std::vector<double>, 3> heights_;                // of the contours normal to each axis
-    std::set<double> thicknesses_;                               // that contours state
+    std::set<double> thicknesses_;                              // that contours state
     Box3 box_;
 };
 

@@ -33,9 +33,9 @@ constexpr int most_decimals = 3;
 constexpr double whole_tolerance = 1e-6;
 // First, last and the frame itself may be rounded where it is held against the grid. [roundings; >= 1; D]
 constexpr double most_roundings = 3;
-// A frame may be so far off its place in the grid, because files round positions.
+// A frame may be so far off its place in the grid, because files round positions and tables are set to 0.01 mm.
 // [spacings; 0 to 0.5; D digits of files]
-constexpr double grid_tolerance = 0.01;
+constexpr double grid_tolerance = 0.02;
 // So many slices are allowed whatever the frames are: a label on few slices of a volume is no attack.
 // [slices; > 0; B]
 constexpr std::uint64_t free_slices = 1000;

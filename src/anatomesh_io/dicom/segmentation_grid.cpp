@@ -9,9 +9,9 @@ namespace anatomesh {
 
 namespace {
 
-// A frame may be so far off its place in the grid, because files round positions.
+// A frame may be so far off its place in the grid, because files round positions and tables are set to 0.01 mm.
 // [spacings; 0 to 0.5; D digits of files]
-constexpr double fit_tolerance = 0.01;
+constexpr double fit_tolerance = 0.02;
 // Frames that are nearer lie in one plane. [mm; > 0; D digits of files]
 constexpr double same_plane_mm = 1e-4;
 // A spacing below is stated by mistake; the sign is no matter, since nuclear medicine writes negative ones. [mm; > 0; D digits of files]
@@ -19,7 +19,7 @@ constexpr double least_spacing_mm = 1e-6;
 // A spacing above is stated by mistake. [mm; > 0; C]
 constexpr double largest_spacing_mm = 1e4;
 // The spacing may be such a part of the least distance of two frames; smaller parts fit anything.
-// [1; >= 1; D 1 / (4 * fit_tolerance) and more would fit by chance]
+// [1; >= 1; D 1 / (2 * fit_tolerance) and more would fit by chance]
 constexpr int largest_part = 10;
 
 // Places that are rounded by a larger share of the spacing fit other planes by chance. [spacings; 0 to 0.25; M 2026-11 400 random

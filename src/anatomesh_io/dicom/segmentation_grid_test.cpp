@@ -114,6 +114,22 @@ TEST(SegmentationGrid, PlacesThatFilesRoundLieOnThePlanesThatAreStated) {
     EXPECT_GT(rounded, 300);
 }
 
+// A table that is set to a hundredth of a millimetre moves frames by as much, also three times as far.
+TEST(SegmentationGrid, FramesThatATableJittersLieOnThePlanesThatAreStated) {
+    std::mt19937 random(8);
+    const auto share = [&] { return static_cast<double>(random()) / 4294967296.0; };
+    for (int round = 0; round < 200; ++round) {
+        const double spacing = 2.5 + 4 * share();
+        std::vector<double> frames;
+        for (int k = 0; k < 20; ++k)
+            if (k == 0 || share() < 0.5) frames.push_back(k * spacing + 0.025 * (2 * share() - 1));
+        if (frames.size() < 3) continue;
+        FrameHeights heights{frames};
+        (round % 2 == 0 ? heights.stated_mm : heights.thickness_mm) = spacing;
+        EXPECT_NEAR(grid_spacing(heights).mm, spacing, 0.03 * spacing) << round;
+    }
+}
+
 // Slices 2 mm thick with gaps of 2 mm are usual; of two frames nobody knows.
 TEST(SegmentationGrid, FramesThatAreAllTwoThicknessesApartAreNeighbours) {
     std::vector<double> frames{0, 4, 8, 12};

@@ -68,10 +68,11 @@ inline constexpr DicomTag structure_set_label{0x3006, 0x0002}, structure_set_dat
     roi_number{0x3006, 0x0022}, roi_frame_of_reference{0x3006, 0x0024}, roi_name{0x3006, 0x0026},
     roi_display_color{0x3006, 0x002A}, roi_generation_algorithm{0x3006, 0x0036},
     roi_contour_sequence{0x3006, 0x0039}, contour_sequence{0x3006, 0x0040},
-    contour_geometric_type{0x3006, 0x0042}, contour_slab_thickness{0x3006, 0x0044}, number_of_contour_points{0x3006, 0x0046},
-    contour_data{0x3006, 0x0050}, roi_observations_sequence{0x3006, 0x0080},
-    observation_number{0x3006, 0x0082}, referenced_roi_number{0x3006, 0x0084},
-    roi_interpreted_type{0x3006, 0x00A4}, roi_interpreter{0x3006, 0x00A6};
+    contour_geometric_type{0x3006, 0x0042}, contour_slab_thickness{0x3006, 0x0044},
+    number_of_contour_points{0x3006, 0x0046}, contour_data{0x3006, 0x0050},
+    roi_observations_sequence{0x3006, 0x0080}, observation_number{0x3006, 0x0082},
+    referenced_roi_number{0x3006, 0x0084}, roi_interpreted_type{0x3006, 0x00A4},
+    roi_interpreter{0x3006, 0x00A6};
 inline constexpr DicomTag detector_information_sequence{0x0054, 0x0022}, slice_vector{0x0054, 0x0080};
 inline constexpr DicomTag grid_frame_offset_vector{0x3004, 0x000C};
 inline constexpr DicomTag shared_groups{0x5200, 0x9229}, per_frame_groups{0x5200, 0x9230};

@@ -84,7 +84,9 @@ class Reader {
 };
 
 void read_table(Reader& reader, const json& rows, MaterialLaw& law) {
-    constexpr const char* wanted = "an array of rows [grey value, MPa] whose grey values rise";
+    constexpr const char* wanted =
+        "an array of rows [grey value, MPa] whose grey values rise and lie within 1e9";
+    constexpr const char* wanted_young = "rows [grey value, MPa] whose moduli are above 0 and below 1e9 MPa";
     law.kind = MaterialLaw::Kind::table;
     if (!rows.is_array() || rows.empty()) return reader.fail("table", wanted);
     for (const json& row : rows) {
@@ -93,8 +95,8 @@ void read_table(Reader& reader, const json& rows, MaterialLaw& law) {
         law.table.push_back({row[0].get<double>(), row[1].get<double>()});
         const auto& [grey, young] = law.table.back();
         const bool rises = law.table.size() == 1 || law.table[law.table.size() - 2][0] < grey;
-        if (!rises || !(std::abs(grey) < most) || !(young > 0 && young < most))
-            return reader.fail("table", wanted);
+        if (!rises || !(std::abs(grey) < most)) return reader.fail("table", wanted);
+        if (!(young > 0 && young < most)) return reader.fail("table", wanted_young);
     }
 }
 
@@ -147,10 +149,9 @@ std::string text_of(const Structure& structure) {
     return structure.name.empty() ? std::to_string(structure.number) : structure.name;
 }
 
-Error names_nothing(const NamedLaw& law, const MeshDescription& description, const std::string& path) {
+Error names_nothing(const NamedLaw& law, std::span<const Structure> structures, const std::string& path) {
     std::string all;
-    for (const Structure& structure : description.structures)
-        all += (all.empty() ? "" : ", ") + text_of(structure);
+    for (const Structure& structure : structures) all += (all.empty() ? "" : ", ") + text_of(structure);
     Error error = mesh_error(
         "E-MAT-004",
         "a law names a structure that the model does not have; the model has: " + all.substr(0, 400), path);
@@ -192,7 +193,7 @@ Result<MaterialFile> read_material_file(const std::string& path, const InputLimi
     file.sha256 = content.sha256();
     file.bytes = content.bytes().size();
     const json* laws = root.value("laws");
-    if (!laws || !laws->is_array() || laws->empty()) root.fail("laws", "an array of laws");
+    if (!laws || !laws->is_array() || laws->empty()) root.fail("laws", "an array of one law or more");
     root.finish();
     if (root.error) return *root.error;
     for (std::size_t i = 0; i < laws->size(); ++i) {
@@ -207,17 +208,22 @@ bool needs_grey(const MaterialFile& file) {
                        [](const NamedLaw& named) { return named.law.kind != MaterialLaw::Kind::constant; });
 }
 
+Status check_law_names(const MaterialFile& file, std::span<const Structure> structures,
+                       std::span<const Structure> others) {
+    for (const NamedLaw& named : file.laws) {
+        const auto is_named = [&](const Structure& structure) { return names(named, structure); };
+        const bool used = std::any_of(structures.begin(), structures.end(), is_named) ||
+                          std::any_of(others.begin(), others.end(), is_named);
+        if (!used && !named.optional) return names_nothing(named, structures, file.path);
+    }
+    return Nothing{};
+}
+
 Status apply_materials(ModelFile& model, const MaterialFile& file, std::span<const Structure> others) {
     const MeshDescription& description = model.description;
+    ANATOMESH_CHECK_STATUS(check_law_names(file, description.structures, others));
     std::vector<MaterialLaw> laws;
-    for (const NamedLaw& named : file.laws) {
-        laws.push_back(named.law);
-        const auto is_named = [&](const Structure& structure) { return names(named, structure); };
-        const bool used =
-            std::any_of(description.structures.begin(), description.structures.end(), is_named) ||
-            std::any_of(others.begin(), others.end(), is_named);
-        if (!used && !named.optional) return names_nothing(named, description, file.path);
-    }
+    for (const NamedLaw& named : file.laws) laws.push_back(named.law);
     std::vector<std::uint32_t> law_of_region(description.regions.members.size(), no_cell);
     for (const Region region : model.mesh.regions) {
         if (law_of_region[region] != no_cell) continue;

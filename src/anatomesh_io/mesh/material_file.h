@@ -40,6 +40,10 @@ Result<MaterialFile> read_material_file(const std::string& path, const InputLimi
 // Whether any law depends on the grey value.
 bool needs_grey(const MaterialFile& file);
 
+// Whether every law names one of `structures` or `others`, or is optional. Error: E-MAT-004.
+Status check_law_names(const MaterialFile& file, std::span<const Structure> structures,
+                       std::span<const Structure> others = {});
+
 // Gives every cell its material: that of the first law which names a structure of the cell's region, or none.
 // `others`: structures of models beside it that the laws are for as well. Requires: model.grey is set when a law needs
 // it. Errors: E-MAT-003; E-MAT-004; E-ELM-002.

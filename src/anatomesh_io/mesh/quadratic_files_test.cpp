@@ -258,6 +258,7 @@ TEST_F(MaterialFiles, are_read_strictly) {
               "E-MAT-001");
     EXPECT_EQ(code(std::string(200000, '[')).substr(0, 9), "E-MAT-001");
     EXPECT_EQ(code(law_file("[]")), "E-MAT-002 file.laws");
+    EXPECT_EQ(code(law_file(R"([{"table": [[5, -1]]}])")), "E-MAT-002 laws[0].table");
     EXPECT_EQ(code(law_file("[7]")), "E-MAT-002 laws[0]");
     EXPECT_EQ(code(law_file(R"([{"poisson": 0.3}])")), "E-MAT-002 laws[0]");
     EXPECT_EQ(code(law_file(R"([{"young_mpa": 5, "table": [[0, 1]]}])")), "E-MAT-002 laws[0]");

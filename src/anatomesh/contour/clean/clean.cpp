@@ -45,6 +45,9 @@ Status compare_names(const RawContours& raw, RunContext& context) {
     return Nothing{};
 }
 
+// Contours that span more are not those of one patient in mm. [mm; > 0; C W-CON-035]
+constexpr double most_span_mm = 3000;
+
 // Shrinks the tolerances with the span of all contours: those in mm would swallow contours in metres.
 CleanOptions fitted_to_span(const RawContours& raw, const std::vector<Candidate>& candidates,
                             CleanOptions options, RunContext& context) {
@@ -53,6 +56,12 @@ CleanOptions fitted_to_span(const RawContours& raw, const std::vector<Candidate>
         for (const Vec3& p : candidate.points) box.extend(p);
     }
     options.crowded_mm = std::min(options.crowded_mm, crowded_span * box.diagonal());
+    if (!candidates.empty() && box.diagonal() > most_span_mm && !raw.unit_is_given)
+        context.warn({"W-CON-035",
+                      "all contours together span more than a patient does; the numbers may not be mm",
+                      {raw.source, "", "", "", brief(box.diagonal() / 1000) + " m"},
+                      "the numbers were read as mm; if they are not, scale them in the file, or say with "
+                      "--unit mm that they are"});
     if (candidates.empty() || box.diagonal() >= least_span_mm) return options;
     const double scale = box.diagonal() / least_span_mm;
     for (double* tolerance :

@@ -467,6 +467,20 @@ TEST(Clean, G30_a_stack_of_fine_slices_keeps_them_all) {
     }
 }
 
+TEST(Clean, RS30_contours_larger_than_a_patient_are_told_of) {
+    for (const double scale : {1.0, 10.0, 100.0, 1e5}) {
+        File file;
+        for (int k = 0; k < 8; ++k) {
+            Points points = circle(0, 0, 25, 40, 5.0 * k);
+            for (Vec3& p : points) p = scale * p;
+            file.add(points);
+        }
+        EXPECT_EQ(clean(file).count("W-CON-035"), scale * 80 > 3000 ? 1u : 0u) << scale;
+        file.raw.unit_is_given = true;
+        EXPECT_EQ(clean(file).count("W-CON-035"), 0u) << "the user says that they are so large";
+    }
+}
+
 TEST(Clean, RS30_contours_in_metres_are_kept_whole_and_told_of) {
     File millimetres, metres;
     // A tilted stack, with one slice given twice.

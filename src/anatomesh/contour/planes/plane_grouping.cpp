@@ -118,9 +118,8 @@ std::vector<std::uint32_t> run_of_each(const GroupingInput& input, const Contour
     const std::vector<PlaneStack> stacks = input.stacks(orientations);
     for (const PlaneStack& stack : stacks) {
         const auto [clusters, first_of] = clustered(stack, input.merged, input.same_mm(stack));
-        for (const auto& [first, last] :
-             runs_of_one_slice(clusters, input.contours, stack.normal, input.options.plane_repair_mm,
-                               stacks.size() == 1)) {
+        for (const auto& [first, last] : runs_of_one_slice(
+                 clusters, input.contours, stack.normal, input.options.plane_repair_mm, stacks.size() == 1)) {
             const std::uint32_t run = run_of[stack.contours[first_of[first]].contour];
             for (std::size_t i = first_of[first]; i < first_of[last]; ++i)
                 run_of[stack.contours[i].contour] = run;

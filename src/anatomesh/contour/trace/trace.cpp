@@ -574,8 +574,8 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     if (set.contours.empty()) return no_contours_error(labels, axes, slices.size(), stats);
     warn_about_pieces(stats, labels.source, context);
     warn_about_areas(slices, stats, set, context);
-    warn_about_volumes(slices, voxel_mm * options.every,
-                       settings.epsilon > default_epsilon * axes.pixel(), labels, context);
+    warn_about_volumes(slices, voxel_mm * options.every, settings.epsilon > default_epsilon * axes.pixel(),
+                       labels, context);
     warn_about_structures(labels, slices, set, context);
     warn_about_missed_pieces(labels, axes, options, settings.min_pixels, set, context);
     warn_about_sparse(labels, axes, sparse, joins, context);

@@ -365,7 +365,8 @@ class KnotMaker {
     // One of the two slices draws it, the upper one if `is_upper`: it ends as far from that as its slices are thick,
     // where the other one, which is empty, is further away.
     void end_within_gap(std::uint32_t below, std::uint32_t above, bool is_upper) {
-        const double low = intervals_[below].high, high = intervals_[above].low, thickness = evidence_.thickness;
+        const double low = intervals_[below].high, high = intervals_[above].low,
+                     thickness = evidence_.thickness;
         if (!(thickness > 0) || high - low <= joined_more * thickness) return;
         const double end = is_upper ? high - thickness : low + thickness;
         if (end > made_.knots.back().high) made_.knots.push_back({end, end, SliceKnot::no_slice});

@@ -27,7 +27,7 @@ std::string slice_text(const ContourSet& set, std::uint32_t slice) {
 
 // The names of up to three structures, and how many more there are.
 std::string names_of(const ContourSet& set, const std::vector<const FewSlices*>& which) {
-    constexpr std::size_t most_named = 3;
+    constexpr std::size_t most_named = 3;  // More names make a line that nobody reads. [names; >= 1; D]
     std::string names;
     for (std::size_t n = 0; n < std::min(most_named, which.size()); ++n)
         names += (n > 0 ? ", " : "") + structure_text(set.structures[which[n]->structure]);
@@ -37,14 +37,18 @@ std::string names_of(const ContourSet& set, const std::vector<const FewSlices*>&
 
 const char* done_about(ThicknessBy by) {
     switch (by) {
-        case ThicknessBy::option: break;
+        case ThicknessBy::option:
+            break;
         case ThicknessBy::source:
-            return "each is as thick as the source says that a slice is; --slice-thickness gives another thickness";
+            return "each is as thick as the source says that a slice is; --slice-thickness gives another "
+                   "thickness";
         case ThicknessBy::others:
-            return "each is as thick as the slices of other structures are apart; --slice-thickness gives another "
+            return "each is as thick as the slices of other structures are apart; --slice-thickness gives "
+                   "another "
                    "thickness";
         case ThicknessBy::nothing:
-            return "nothing says how thick a slice is, so that each reaches half-way to the slices beside it, or half "
+            return "nothing says how thick a slice is, so that each reaches half-way to the slices beside "
+                   "it, or half "
                    "of that gap beyond the last one; --slice-thickness states the thickness";
     }
     return "each is as thick as --slice-thickness says";
@@ -63,15 +67,17 @@ void warn_about_few_slices(const ContourSet& set, const std::vector<FewSlices>& 
             const FewSlices& first = *which.front();
             std::string slices = slice_text(set, first.slices[0]);
             if (count > 1) slices += " and " + slice_text(set, first.slices[1]);
-            std::string value = std::to_string(which.size()) + (which.size() == 1 ? " structure" : " structures");
+            std::string value =
+                std::to_string(which.size()) + (which.size() == 1 ? " structure" : " structures");
             if (first.mm > 0) value += ", the first " + text(first.mm) + " mm thick";
-            context.warn({"W-FLD-021",
-                          count == 1 ? "a structure is drawn on one slice alone, so that nothing shows how it goes on "
-                                       "above and below"
-                                     : "a structure is drawn on two slices alone, so that nothing shows whether it "
-                                       "goes on between and beyond them",
-                          {set.source, slices, names_of(set, which), "", value},
-                          done_about(by)});
+            context.warn(
+                {"W-FLD-021",
+                 count == 1 ? "a structure is drawn on one slice alone, so that nothing shows how it goes on "
+                              "above and below"
+                            : "a structure is drawn on two slices alone, so that nothing shows whether it "
+                              "goes on between and beyond them",
+                 {set.source, slices, names_of(set, which), "", value},
+                 done_about(by)});
         }
     }
 }

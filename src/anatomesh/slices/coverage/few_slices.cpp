@@ -100,9 +100,9 @@ double thickness_of_all(const ContourSet& set, const std::vector<FewSlices>& few
         is_few[which.structure] = true;
         if (which.mm > 0 && (least == 0 || which.mm < least)) least = which.mm;
     }
-    const bool all =
-        std::all_of(set.contours.begin(), set.contours.end(),
-                    [&](const Contour& contour) { return static_cast<bool>(is_few[contour.structure]); });
+    const bool all = std::all_of(set.contours.begin(), set.contours.end(), [&](const Contour& contour) {
+        return static_cast<bool>(is_few[contour.structure]);
+    });
     return all ? least : 0;
 }
 

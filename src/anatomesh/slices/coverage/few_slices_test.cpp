@@ -106,8 +106,8 @@ TEST(FewSlices, volumes_are_those_of_slices_as_thick_as_told) {
             return heights;
         };
         const int first = number(0, 4);
-        std::vector<std::vector<double>> heights{
-            at({number(0, 30)}), at({first, first + 1}), at({first + 1, first + 1 + number(3, 9)})};
+        std::vector<std::vector<double>> heights{at({number(0, 30)}), at({first, first + 1}),
+                                                 at({first + 1, first + 1 + number(3, 9)})};
         if (n % 3 == 0) heights.push_back(every(thickness, 40));
         ContourSet set = discs(heights, radius);
         const bool by_option = n % 2 == 0;
@@ -119,7 +119,8 @@ TEST(FewSlices, volumes_are_those_of_slices_as_thick_as_told) {
         RunContext context;
         const auto field = make_structure_field(set, options, context);
         ASSERT_TRUE(field.ok());
-        const auto volumes = field_volumes(*field.value(), static_cast<std::uint32_t>(heights.size()), {}, context);
+        const auto volumes =
+            field_volumes(*field.value(), static_cast<std::uint32_t>(heights.size()), {}, context);
         ASSERT_TRUE(volumes.ok());
         const double disc = thickness * 32 * std::sin(2 * std::numbers::pi / 64) * radius * radius;
         EXPECT_NEAR(volumes.value()[0].by_field / disc, 1, 0.03) << n;
