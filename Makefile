@@ -3,6 +3,7 @@
 # make test       builds and runs all tests (installs what is missing)
 # make test-random  models and judges all 2000 random solids (an hour or so)
 # make check      unit tests with clang and with the sanitizers (an hour or so)
+# make hostile    mutated files, failing calls, kills, hostile peers and wrong slices at full size (an hour or two)
 # make fuzz SECONDS=600   fuzzes the readers of outside files, each so long
 # make install PREFIX=/usr/local
 # make bench | format | tidy | clean | dependencies
@@ -11,7 +12,7 @@ JOBS ?= $(shell nproc)
 BUILD := build/release
 PROGRAM := $(BUILD)/anatomesh
 
-.PHONY: all program demo test test-random check install fuzz bench format tidy clean dependencies
+.PHONY: all program demo test test-random hostile check install fuzz bench format tidy clean dependencies
 
 all: program
 
@@ -38,6 +39,15 @@ test-random:
 	@cmake --preset release -DANATOMESH_TESTS=ON
 	@cmake --build $(BUILD) --parallel $(JOBS) --target pipeline_test
 	@ctest --test-dir $(BUILD) -C random -L random --parallel $(JOBS) --output-on-failure --no-tests=error
+
+# Its tables go into docs/robustness.md.
+hostile:
+	@scripts/install-dependencies.sh build test
+	@cmake --preset release -DANATOMESH_TESTS=ON
+	@cmake --build $(BUILD) --parallel $(JOBS) --target anatomesh_program outliers_test
+	ANATOMESH_PROGRAM=$(PROGRAM) /usr/bin/python3 tests/hostile/hostile.py $(PROGRAM) --cases 20000 --faults 40000 \
+	  --kills 500 --answers 2000 --workers $(JOBS) --keep build/findings --write docs/robustness.md
+	ANATOMESH_WRONG_SLICES=400 $(BUILD)/src/anatomesh/outliers_test --gtest_filter='OutlyingSlices.*'
 
 install: program
 	cmake --install $(BUILD) --prefix $(PREFIX)

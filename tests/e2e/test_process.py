@@ -9,7 +9,7 @@ import subprocess
 import harness
 import shapes
 
-CALLS = pathlib.Path(__file__).resolve().parent / "failing_calls.c"
+CALLS = pathlib.Path(__file__).resolve().parents[1] / "hostile/failing_calls.c"
 
 
 class Process(harness.TestCase):

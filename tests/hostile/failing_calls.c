@@ -1,5 +1,5 @@
 /* Preloaded into the program: lets the Nth call of a kind fail, and sets a rounding mode before main().
-   FAIL_CALL=malloc|pthread_create|open|read, FAIL_AT=N, FAIL_FROM_THEN_ON=1, FAIL_ERRNO=number; ROUNDING=up|down|zero. */
+   FAIL_CALL=malloc|pthread_create|open|read|write|rename|fsync, FAIL_AT=N, FAIL_FROM_THEN_ON=1, FAIL_ERRNO=number; ROUNDING=up|down|zero. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -9,6 +9,7 @@
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -76,4 +77,22 @@ ssize_t read(int descriptor, void* to, size_t size) {
     static ssize_t (*real)(int, void*, size_t);
     if (!real) real = (ssize_t(*)(int, void*, size_t))dlsym(RTLD_NEXT, "read");
     return fails("read") ? -1 : real(descriptor, to, size);
+}
+
+ssize_t write(int descriptor, const void* from, size_t size) {
+    static ssize_t (*real)(int, const void*, size_t);
+    if (!real) real = (ssize_t(*)(int, const void*, size_t))dlsym(RTLD_NEXT, "write");
+    return fails("write") ? -1 : real(descriptor, from, size);
+}
+
+int rename(const char* from, const char* to) {
+    static int (*real)(const char*, const char*);
+    if (!real) real = (int (*)(const char*, const char*))dlsym(RTLD_NEXT, "rename");
+    return fails("rename") ? -1 : real(from, to);
+}
+
+int fsync(int descriptor) {
+    static int (*real)(int);
+    if (!real) real = (int (*)(int))dlsym(RTLD_NEXT, "fsync");
+    return fails("fsync") ? -1 : real(descriptor);
 }
