@@ -42,7 +42,7 @@ class WriteContours : public testing::TestWithParam<const char*> {
     RunContext context_;
 };
 
-TEST_P(WriteContours, M15_written_read_and_written_again) {
+TEST_P(WriteContours, O01_written_read_and_written_again) {
     for (const unsigned seed : {1u, 2u, 3u}) {
         const ContourSet set = tilted_rings(seed, 40);
         write(set, path("one"));

@@ -124,7 +124,7 @@ TEST(MeshFile, O01_models_come_back_to_the_last_bit) {
     }
 }
 
-TEST(MeshFile, M15_write_read_write_gives_the_same_bytes) {
+TEST(MeshFile, O01_write_read_write_gives_the_same_bytes) {
     const Folder folder;
     RunContext context;
     for (const std::string& extension : model_extensions) {

@@ -39,7 +39,7 @@ void expect_same(const VtkArray& a, const VtkArray& b) {
     EXPECT_EQ(a.bytes, b.bytes);
 }
 
-TEST(VtkXml, M15_write_read_write_gives_the_same_bytes) {
+TEST(VtkXml, O01_write_read_write_gives_the_same_bytes) {
     const VtkFile file = sample();
     const std::string first = format_vtk_xml(file, "SPACE=LPS -- unit=mm", {});
     const auto read = parse_vtk_xml(bytes_of(first), "a.vtp");
