@@ -370,7 +370,7 @@ class Options(harness.TestCase):
         self.assertEqual(report["warnings"][0]["code"], "W-CIO-006")
         self.assertEqual(report["contour_log"][0]["rule"], "outer")
 
-    def test_tiny_size_is_refused_before_the_work(self):
+    def test_M09_M12_tiny_size_is_refused_before_the_work(self):
         start = time.time()
         result = self.assert_refused(["model", "ball.json", "-o", "a.vtu", "--size", "0.01"], 5, "E-CMD-014", "--size",
                                      "--limit")
@@ -428,7 +428,7 @@ class Options(harness.TestCase):
         self.assertEqual((report["structures"][0]["components"], report["structures"][0]["genus"]), (3, 2))
         self.assertEqual(report["warnings"], [])
 
-    def test_a_size_larger_than_the_object_makes_a_model_and_warns(self):
+    def test_M09_M12_a_size_larger_than_the_object_makes_a_model_and_warns(self):
         for size in ("60", "1000"):
             self.run_program("model", "ball.json", "-o", "a.vtu", "--size", size, "--quiet")
             codes = [w["code"] for w in json.loads((self.folder / "a.report.json").read_text())["warnings"]]
@@ -657,7 +657,7 @@ class LongWork(harness.TestCase):
         self.words = [harness.PROGRAM, "model", str(self.skull), "--threshold", "226", "--keep-largest", "1",
                       "-o", "skull.vtu", "--surface", "skull.stl"]
 
-    def test_interrupt_cancels_with_130_and_no_file(self):
+    def test_M15_interrupt_cancels_with_130_and_no_file(self):
         for delay in (0.3, 1.5, 3.0):
             process = subprocess.Popen(self.words, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
             time.sleep(delay)

@@ -274,7 +274,7 @@ class HostilePeers(harness.TestCase):
         self.good_sender(receiver, b"1.9")
         receiver.stop()
 
-    def test_killed_it_leaves_whole_objects_alone(self):
+    def test_A12_F08_killed_it_leaves_whole_objects_alone(self):
         receiver = Receiver(self)
         connection = associated(receiver)
         self.assertEqual(store(connection, b"1.1", data_set(b"1.1")), 0)

@@ -93,7 +93,7 @@ class Segment(harness.TestCase):
     def test_edges_alone_are_for_volumes(self):
         self.assert_refused(["segment", "image.nrrd", "--seed", self.seed, "--per-slice", "-o", "x.nrrd"], 2, "E-SGM-012", "chan-vese")
 
-    def test_structures_of_a_recipe_that_claim_the_same(self):
+    def test_P05_structures_of_a_recipe_that_claim_the_same(self):
         """What the file holds is what is said; nothing goes missing without a word."""
         first, second = {"name": "first", "threshold": [60, None]}, {"name": "second", "threshold": [10, None]}
         recipe = {"format": "anatomesh-recipe", "version": 1, "structures": [first, second]}
@@ -122,7 +122,7 @@ class Segment(harness.TestCase):
             self.assertNotIn("\x1b", done.out + done.err)
             self.assertIn("ball?warning: all is well?[31m", done.out + done.err)
 
-    def test_recipe_of_several_structures(self):
+    def test_P05_recipe_of_several_structures(self):
         recipe = {"format": "anatomesh-recipe", "version": 1, "structures": [
             {"name": "middle", "method": "chan-vese", "seeds": [[-6, 34, 29]], "number": 2, "within": [[-40, 0, 0], [-6, 90, 90]]},
             {"name": "ball", "number": 5, "threshold": [60, None], "keep_largest": 1},

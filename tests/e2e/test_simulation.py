@@ -46,7 +46,7 @@ class PatchTest(harness.TestCase):
         computed = results["stresses", "STRUCTURE_1"][:, 2:]
         self.assertLess(np.abs(computed - wanted).max(), 5 * tolerance * np.abs(wanted).max())
 
-    def test_linear_quadratic_and_bent_elements(self):
+    def test_O02_linear_quadratic_and_bent_elements(self):
         ccx.program()
         outer, inner = shapes.sphere(10, 2.5), shapes.sphere(5, 2.5)
         drawn = shapes.Shape({1: "ball", 2: "core"}, 2.5)

@@ -180,10 +180,10 @@ def with_xml(folder, truth):
 
 def main():
     program, folder = sys.argv[1:3]
-    run = subprocess.run([program, '--gtest_filter=QuadraticFiles.writes_samples_for_foreign_readers'], capture_output=True,
+    run = subprocess.run([program, '--gtest_filter=QuadraticFiles.O02_writes_samples_for_foreign_readers'], capture_output=True,
                          text=True, env=dict(os.environ, ANATOMESH_FORMATS_DIR=folder))
     good = run.returncode == 0 and 'Running 1 test ' in run.stdout and 'SKIPPED' not in run.stdout
-    check('QuadraticFiles.writes_samples_for_foreign_readers', good)
+    check('QuadraticFiles.O02_writes_samples_for_foreign_readers', good)
     if not good:
         raise SystemExit(run.stdout + run.stderr)
     truth = Truth(os.path.join(folder, 'quadratic.txt'))

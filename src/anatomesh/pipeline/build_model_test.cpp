@@ -417,7 +417,7 @@ TEST(BuildModel, C13_contours_of_3_points_and_of_300) {
 // points (Schoenhardt, Math. Ann. 98, 1928), and between a triangle and arms that wind about it none at all
 // that has no more vertices (Gitlin, O'Rourke and Subramanian, Int. J. Comput. Geom. Appl. 6, 1996, show such
 // pairs). The lattice between the slices has the points.
-TEST(BuildModel, C22_pairs_that_no_triangles_join_without_new_points) {
+TEST(BuildModel, C22_M06_pairs_that_no_triangles_join_without_new_points) {
     const auto triangle = [](double radius, double turned) {
         Polygon corners;
         for (int i = 0; i < 3; ++i) {

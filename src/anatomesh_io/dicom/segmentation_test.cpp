@@ -38,7 +38,7 @@ struct Read {
     }
 };
 
-TEST(DicomSegmentation, L02_frames_in_any_order_and_empty_ones_not_stored) {
+TEST(DicomSegmentation, L02_L10_frames_in_any_order_and_empty_ones_not_stored) {
     SegFile file = SegFile::stack(6);
     for (std::size_t k = 0; k < 6; ++k) file.frames[k].pixels.assign(15, 0), file.frames[k].pixels[k] = 1;
     file.frames.erase(file.frames.begin() + 2);
@@ -53,7 +53,7 @@ TEST(DicomSegmentation, L02_frames_in_any_order_and_empty_ones_not_stored) {
         EXPECT_EQ(shuffled.layer().geometry.size, (std::array<std::uint32_t, 3>{5, 3, 6}));
     }
     for (std::uint32_t k = 0; k < 6; ++k) EXPECT_EQ(whole.at(k % 5, k / 5, k), k == 2 ? 0 : 1);
-    EXPECT_TRUE(whole.warned("W-SEG-004"));  // L10
+    EXPECT_TRUE(whole.warned("W-SEG-004"));
 }
 
 // The format leaves out frames that are empty, so that the last stored one says nothing of the image's end.

@@ -244,7 +244,7 @@ struct MaterialFiles : ::testing::Test {
     }
 };
 
-TEST_F(MaterialFiles, are_read_strictly) {
+TEST_F(MaterialFiles, P05_are_read_strictly) {
     EXPECT_EQ(code(law_file(R"([{"young_mpa": 5}])")), "ok");
     EXPECT_EQ(code(law_file(R"([{"structure": 5, "table": [[0, 1], [10, 2.5]], "density_g_cm3": 1.1}])")),
               "ok");
@@ -337,7 +337,7 @@ TEST_F(MaterialFiles, a_law_that_names_nothing_is_refused) {
 
 // Writes a model with everything in every format that holds it into $ANATOMESH_FORMATS_DIR, for
 // tests/formats/elements_test.py.
-TEST(QuadraticFiles, writes_samples_for_foreign_readers) {
+TEST(QuadraticFiles, O02_writes_samples_for_foreign_readers) {
     const char* folder = std::getenv("ANATOMESH_FORMATS_DIR");
     if (!folder) GTEST_SKIP() << "ANATOMESH_FORMATS_DIR is not set";
     fs::create_directories(folder);
