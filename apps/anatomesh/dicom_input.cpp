@@ -102,8 +102,8 @@ bool lies_along_images(const RawContours& contours, const DicomFolder& folder,
     });
 }
 
-// How thick the images say that a slice is: the median distance of their planes, and what they state where there
-// is one alone. 0: nothing says it.
+// How thick the images say that a slice is: the median distance of their planes, if most are as far apart; else, as
+// where only the images with contours are there, what they state if that is less. 0: nothing says it.
 double thickness_of_images(const DicomFolder& folder, const std::vector<std::uint32_t>& images) {
     if (images.empty() || folder.objects[images[0]].planes.empty()) return 0;
     const DicomFrame& first = folder.objects[images[0]].planes[0];
@@ -117,9 +117,16 @@ double thickness_of_images(const DicomFolder& folder, const std::vector<std::uin
     constexpr double same_plane_mm = 1e-3;
     for (std::size_t n = 1; n < heights.size(); ++n)
         if (heights[n] - heights[n - 1] > same_plane_mm) gaps.push_back(heights[n] - heights[n - 1]);
-    if (gaps.empty()) return std::max(0.0, folder.objects[images[0]].slice_thickness.value_or(0));
+    const double stated = std::max(0.0, folder.objects[images[0]].slice_thickness.value_or(0));
+    if (gaps.empty()) return stated;
     std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
-    return gaps[gaps.size() / 2];
+    const double median = gaps[gaps.size() / 2];
+    // Two gaps or more, of which two in three are alike, are the spacing of a series. [1; 0 to 1; D digits of files]
+    constexpr double alike = 0.05;
+    const auto as_usual = static_cast<std::size_t>(std::count_if(
+        gaps.begin(), gaps.end(), [&](double gap) { return std::abs(gap - median) <= alike * median; }));
+    const bool is_series = as_usual >= 2 && 3 * as_usual >= 2 * gaps.size();
+    return is_series || stated == 0 ? median : std::min(median, stated);
 }
 
 Result<LoadedSegmentation> segmentation_in(const DicomFolder& folder, const DicomChoice& choice,

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "anatomesh/field/end_caps.h"
+#include "anatomesh/slices/arrangement/slice_arrangement.h"
 #include "anatomesh/slices/coverage/few_slices.h"
 #include "help_text.h"
 #include "option_values.h"
@@ -49,7 +50,11 @@ Error slice_thickness_without_use(const std::string& input, const std::string& w
 }
 
 Status check_slice_thickness(double slice_mm, const std::string& input, const ContourSet& kept) {
-    if (slice_mm == 0 || kept.slices.size() < 2 || !structures_on_few_slices(kept).empty()) return Nothing{};
+    if (slice_mm == 0 || kept.slices.size() < 2) return Nothing{};
+    if (!arrangement_of(kept).is_stack())
+        return slice_thickness_without_use(
+            input, "the slices are no stack, and those that cross show the thickness");
+    if (!structures_on_few_slices(kept).empty()) return Nothing{};
     return slice_thickness_without_use(
         input, says_all(kept)
                    ? "the slices say all of every structure, so that they end it where it is absent"

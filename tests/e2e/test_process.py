@@ -60,6 +60,24 @@ class Process(harness.TestCase):
         self.assertIn(6, codes)
         self.assertLessEqual(codes, {0, 6})
 
+    def test_F10_a_folder_whose_names_cannot_be_exchanged_is_told(self):
+        (self.folder / "m.vtu").write_text("what stood there")
+        for number in (errno.EXDEV, errno.EPERM, errno.ENOSPC):
+            done = subprocess.run([harness.PROGRAM, "model", "ball.json", "-o", "m.vtu", "--quiet"], cwd=self.folder, capture_output=True, text=True,
+                                  env={**os.environ, "LD_PRELOAD": str(self.folder / "calls.so"), "FAIL_CALL": "rename", "FAIL_AT": "1",
+                                       "FAIL_ERRNO": str(number)})
+            self.assertIn(done.returncode, (0, 6), done.stderr)
+            if done.returncode == 6:
+                self.assertIn("E-FILE", done.stderr)
+                self.assertEqual((self.folder / "m.vtu").read_text(), "what stood there")
+                self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["ball.json", "calls.so", "m.vtu"])
+
+    def test_F12_the_clock_changes_no_byte(self):
+        expected = self.model()
+        self.assertEqual(expected[0], 0, expected[1])
+        for seconds in (0, 1, 2 ** 31, 2 ** 32 + 5, 253402300800):
+            self.assertEqual(self.model(CLOCK=seconds), expected, seconds)
+
     def test_F06_the_end_of_memory_is_told_wherever_it_strikes(self):
         told = 0
         places = random.Random(3)

@@ -1,5 +1,6 @@
 /* Preloaded into the program: lets the Nth call of a kind fail, and sets a rounding mode before main().
-   FAIL_CALL=malloc|pthread_create|open|read|write|rename|fsync, FAIL_AT=N, FAIL_FROM_THEN_ON=1, FAIL_ERRNO=number; ROUNDING=up|down|zero. */
+   FAIL_CALL=malloc|pthread_create|open|read|write|rename|fsync, FAIL_AT=N, FAIL_FROM_THEN_ON=1, FAIL_ERRNO=number; ROUNDING=up|down|zero.
+   CLOCK=seconds since 1970 that the clock shows, standing still. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -12,6 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
+#include <time.h>
 #include <unistd.h>
 
 extern void* __libc_malloc(size_t);
@@ -95,4 +98,39 @@ int fsync(int descriptor) {
     static int (*real)(int);
     if (!real) real = (int (*)(int))dlsym(RTLD_NEXT, "fsync");
     return fails("fsync") ? -1 : real(descriptor);
+}
+
+/* The clock of the day; others, which measure how long something takes, go on. */
+static int set_clock(long* seconds) {
+    const char* clock = getenv("CLOCK");
+    if (clock) *seconds = atol(clock);
+    return clock != NULL;
+}
+
+time_t time(time_t* to) {
+    static time_t (*real)(time_t*);
+    if (!real) real = (time_t(*)(time_t*))dlsym(RTLD_NEXT, "time");
+    long seconds = 0;
+    const time_t now = set_clock(&seconds) ? (time_t)seconds : real(NULL);
+    if (to) *to = now;
+    return now;
+}
+
+int clock_gettime(clockid_t which, struct timespec* to) {
+    static int (*real)(clockid_t, struct timespec*);
+    if (!real) real = (int (*)(clockid_t, struct timespec*))dlsym(RTLD_NEXT, "clock_gettime");
+    long seconds = 0;
+    if (which != CLOCK_REALTIME || !set_clock(&seconds)) return real(which, to);
+    to->tv_sec = seconds;
+    to->tv_nsec = 0;
+    return 0;
+}
+
+int gettimeofday(struct timeval* to, void* zone) {
+    struct timespec now;
+    (void)zone;
+    clock_gettime(CLOCK_REALTIME, &now);
+    to->tv_sec = now.tv_sec;
+    to->tv_usec = now.tv_nsec / 1000;
+    return 0;
 }

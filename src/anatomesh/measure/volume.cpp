@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -23,9 +22,11 @@ double signed_area(std::span<const Vec3> polygon, Vec3 normal) {
     return dot(sum, normal) / 2;
 }
 
-// The thickness that each slice stands for among those that count; 0 for the others. Requires: two that
-// count.
-std::vector<double> slice_thickness(const ContourSet& set, const std::vector<bool>& counts) {
+// The thickness that each slice stands for among those that count; 0 for the others. Beyond a slice that draws the
+// structure one that does not is no further away than the slice on the other side, unless slices say all.
+// Requires: two that count.
+std::vector<double> slice_thickness(const ContourSet& set, const std::vector<bool>& counts,
+                                    const std::vector<bool>& draws) {
     const Vec3 normal = set.slices.front().plane.normal;
     std::vector<double> position;
     for (const Slice& slice : set.slices) position.push_back(dot(slice.plane.origin, normal));
@@ -38,8 +39,10 @@ std::vector<double> slice_thickness(const ContourSet& set, const std::vector<boo
     const auto gap = [&](std::size_t i) { return position[order[i + 1]] - position[order[i]]; };
     std::vector<double> thickness(position.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
-        const double before = i > 0 ? gap(i - 1) : gap(i);
-        const double after = i + 1 < order.size() ? gap(i) : gap(i - 1);
+        double before = i > 0 ? gap(i - 1) : gap(i);
+        double after = i + 1 < order.size() ? gap(i) : gap(i - 1);
+        if (!says_all(set) && i > 0 && !draws[order[i - 1]]) before = std::min(before, after);
+        if (!says_all(set) && i + 1 < order.size() && !draws[order[i + 1]]) after = std::min(after, before);
         thickness[order[i]] = (before + after) / 2;
     }
     return thickness;
@@ -64,21 +67,25 @@ std::vector<double> mesh_volumes(const TetMesh& mesh, const RegionTable& regions
 
 std::vector<double> slice_volumes(const ContourSet& set, const SliceCoverage& coverage) {
     if (set.slices.size() < 2 || !all_parallel(set, parallel_tolerance_mm)) return {};
-    // By structure: most have all slices in common.
-    std::map<std::vector<bool>, std::vector<double>> thickness_of;
+    // By structure: many are drawn on the same slices.
+    std::map<std::pair<std::vector<bool>, std::vector<bool>>, std::vector<double>> thickness_of;
     std::vector<const std::vector<double>*> thickness;
     const std::vector<bool> all(set.slices.size(), true);
     for (std::uint32_t i = 0; i < set.structures.size(); ++i) {
-        std::vector<bool> counts(set.slices.size());
-        for (std::uint32_t k = 0; k < counts.size(); ++k) counts[k] = coverage.is_certain(k, i);
+        std::vector<bool> counts(set.slices.size()), draws(set.slices.size());
+        for (std::uint32_t k = 0; k < counts.size(); ++k) {
+            counts[k] = coverage.is_certain(k, i);
+            draws[k] = coverage.is_drawn(k, i);
+        }
         if (std::count(counts.begin(), counts.end(), true) < 2) counts = all;
-        const auto [found, is_new] = thickness_of.try_emplace(std::move(counts));
-        if (is_new) found->second = slice_thickness(set, found->first);
+        const auto [found, is_new] = thickness_of.try_emplace({std::move(counts), std::move(draws)});
+        if (is_new) found->second = slice_thickness(set, found->first.first, found->first.second);
         thickness.push_back(&found->second);
     }
-    std::vector<double> most(set.structures.size(), std::numeric_limits<double>::infinity());
-    if (set.slice_thickness_mm > 0)
-        for (const std::uint32_t s : structures_on_few_slices(set)) most[s] = set.slice_thickness_mm;
+    std::vector<double> of_few(set.structures.size(), 0.0);
+    for (const FewSlices& few :
+         structures_on_few_slices(set, parallel_intervals(set, set.slices.front().plane), 0))
+        of_few[few.structure] = few.mm;
     std::vector<double> volumes(set.structures.size(), 0.0);
     std::vector<double> areas(set.structures.size());
     for (std::size_t s = 0; s < set.slices.size(); ++s) {
@@ -88,7 +95,8 @@ std::vector<double> slice_volumes(const ContourSet& set, const SliceCoverage& co
             areas[contour.structure] += signed_area(set.points_of(contour), slice.plane.normal);
         }
         for (std::size_t i = 0; i < areas.size(); ++i)
-            volumes[i] += std::abs(areas[i]) * std::min((*thickness[i])[s], most[i]);
+            volumes[i] += std::abs(areas[i]) *
+                          (of_few[i] > 0 ? std::min(of_few[i], (*thickness[i])[s]) : (*thickness[i])[s]);
     }
     return volumes;
 }

@@ -18,6 +18,8 @@ namespace {
 
 // Across the slices the grid has so many steps. [steps; >= 16; B]
 constexpr double steps_across = 52;
+// A grid coarser by so much must count the same, else what is counted is its own. [1; > 1; B]
+constexpr double coarser_step = 1.4;
 // It has so many from one slice to the next, [steps; >= 2; D what is drawn on one slice alone is a slice thick]
 constexpr double steps_per_slice = 3;
 // and so many along all slices. [steps; >= 16; B]
@@ -152,7 +154,14 @@ Result<StructureShape> shape_of_structure(const ContourSet& set, std::uint32_t s
     const Vec3 size = box.high - box.low;
     const double across = std::max(size.x, size.y) / steps_across;
     const double along = std::max(spacing / steps_per_slice, size.z / most_steps_along);
-    return Voxels(*field, frame, box, {across, across, along}, context).shape();
+    const auto shape_at = [&](double step) {
+        return Voxels(*field, frame, box, {step, step, along}, context).shape();
+    };
+    StructureShape shape = shape_at(across);
+    const StructureShape coarser = shape_at(coarser_step * across);
+    shape.is_counted = shape.parts == coarser.parts && shape.tunnels == coarser.tunnels &&
+                       shape.cavities == coarser.cavities;
+    return shape;
 }
 
 }  // namespace anatomesh

@@ -13,6 +13,7 @@ namespace anatomesh {
 struct StructureShape {
     double volume_mm3 = 0;
     std::uint64_t parts = 0, tunnels = 0, cavities = 0;
+    bool is_counted = true;  // a coarser grid counts the same parts, tunnels and cavities
 };
 
 // Returns the shape of the field of the structure, on a grid of points: parts are 26-connected, cavities 6-connected,

@@ -108,7 +108,9 @@ std::string volume_text(double volume_mm3) {
 }
 
 std::string shape_text(const StructureShape& shape) {
-    std::string text = volume_text(shape.volume_mm3) + " in " + counted(shape.parts, "part");
+    std::string text = volume_text(shape.volume_mm3);
+    if (!shape.is_counted) return text;
+    text += " in " + counted(shape.parts, "part");
     if (shape.tunnels > 0) text += " with " + counted(shape.tunnels, "tunnel");
     if (shape.cavities > 0)
         text += (shape.tunnels > 0 ? " and " : " with ") + counted(shape.cavities, "cavity", "cavities");
@@ -127,6 +129,17 @@ std::string without_text(const ContourSet& set, const OutlyingSlice& outlier, co
     if (!with.ok() || !without.ok()) return "";
     return "; with the slice the structure has about " + shape_text(with.value()) + ", without it " +
            shape_text(without.value());
+}
+
+// How many structures a slice draws.
+std::size_t structures_on(const ContourSet& set, const Slice& slice) {
+    std::size_t count = 0;
+    const Contour* before = nullptr;
+    for (const Contour& contour : set.contours_of(slice)) {
+        count += before == nullptr || before->structure != contour.structure;
+        before = &contour;
+    }
+    return count;
 }
 
 bool is_told(const std::string& slice, const RunContext& context) {
@@ -152,6 +165,7 @@ void warn_about_outlying_slices(const ContourSet& set, const SliceArrangement& a
     for (const OutlyingSlice& outlier : outliers) {
         const Structure& structure = set.structures[outlier.structure];
         const std::string& slice = set.slices[outlier.slice].name;
+        const std::size_t drawn = structures_on(set, set.slices[outlier.slice]);
         const bool is_last = &outlier == &outliers.back();
         context.warn(
             {outlier.kind == OutlierKind::displaced ? "W-FLD-011" : "W-FLD-020",
@@ -160,6 +174,7 @@ void warn_about_outlying_slices(const ContourSet& set, const SliceArrangement& a
               "", size_text(outlier)},
              "kept as drawn" + without_text(set, outlier, options, context) +
                  "; look at the slice; --without " + one_word(slice) + " leaves it out" +
+                 (drawn > 1 ? ", for all " + std::to_string(drawn) + " structures that it draws" : "") +
                  (is_last && !others.empty() ? "; these slices differ less: " + others : "")});
     }
 }

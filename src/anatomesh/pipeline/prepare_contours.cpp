@@ -132,7 +132,25 @@ Status rename_structure(PreparedContours& prepared, const PrepareOptions& option
     return Nothing{};
 }
 
-Status keep_every_nth(ContourSet& kept, const PrepareOptions& options) {
+// Leaves structures out that are drawn on none of the slices that are kept, and tells of each.
+void leave_out_undrawn(ContourSet& kept, RunContext& context) {
+    std::vector<bool> is_drawn(kept.structures.size(), false);
+    for (const Contour& contour : kept.contours) is_drawn[contour.structure] = true;
+    std::vector<std::uint32_t> drawn;
+    for (std::uint32_t s = 0; s < is_drawn.size(); ++s) {
+        if (is_drawn[s]) {
+            drawn.push_back(s);
+            continue;
+        }
+        context.warn({"W-CON-001",
+                      "the structure has no contour on the slices that --every and --offset keep",
+                      {kept.source, "", unique_text(kept.structures, s), "", ""},
+                      "it was left out; choose other slices, or model it with all of them"});
+    }
+    if (drawn.size() < kept.structures.size()) kept = choose_structures(kept, drawn);
+}
+
+Status keep_every_nth(ContourSet& kept, const PrepareOptions& options, RunContext& context) {
     if (options.choice.every.value_or(1) == 1) return Nothing{};
     const std::string file = input_name(options, kept.source);
     if (!all_parallel(kept, parallel_tolerance_mm))
@@ -140,6 +158,7 @@ Status keep_every_nth(ContourSet& kept, const PrepareOptions& options) {
     kept = every_nth_slice(kept, *options.choice.every, options.choice.offset);
     if (kept.contours.empty())
         return usage_error("--every and --offset leave no slice", file, "give a smaller --every or --offset");
+    leave_out_undrawn(kept, context);
     return Nothing{};
 }
 
@@ -147,7 +166,7 @@ Status keep_every_nth(ContourSet& kept, const PrepareOptions& options) {
 // traced.
 Status thin_and_share(PreparedContours& prepared, const PrepareOptions& options, RunContext& context) {
     ContourSet& kept = prepared.kept;
-    ANATOMESH_CHECK_STATUS(keep_every_nth(kept, options));
+    ANATOMESH_CHECK_STATUS(keep_every_nth(kept, options, context));
     if (options.epsilon_mm.value_or(0) > 0) {
         SimplifyOptions simplifying;
         simplifying.epsilon_mm = *options.epsilon_mm;

@@ -32,7 +32,7 @@ struct FrameHeights {
     double rounding_mm = 0;  // a frame may lie so far from its plane, because the file rounds places. >= 0
 };
 
-// The first of these that all distances of neighbouring frames are multiples of, within a hundredth of it, or else that has all
+// The first of these that all distances of neighbouring frames are multiples of, within two hundredths of it, or else that has all
 // frames on its planes within the rounding, where that is a fifth of it at most (not of the distances): the
 // stated spacing (its sign is no matter), the images' one (their least distance, where the frames lie on images), the
 // thickness, the largest part of the least distance (at most its tenth part; the whole where a spacing is stated). If three frames or more are all two thicknesses

@@ -22,6 +22,9 @@ constexpr double clear_share = 0.5;
 // Contours that differ by a smaller share of the larger area are two slices of one thing. [1; 0 to 1; M 2026-11, the
 // same]
 constexpr double repeat_share = 0.1;
+// Planes of different structures that are nearer are one that a file rounded, to a tenth for some of them.
+// [mm; 0 to 0.1; D digits of files]
+constexpr double rounded_mm = 0.06;
 constexpr int scan_lines = 128;  // Areas are summed along so many lines. [lines; >= 1; B]
 
 using Contours = std::vector<std::uint32_t>;
@@ -42,6 +45,10 @@ class StackReader {
     StackReader(std::span<const PositionedCluster> stack, std::span<const ContourToPlace> contours,
                 Vec3 normal)
         : stack_(stack), contours_(contours), frame_(make_plane({}, normal)) {}
+
+    double span_of(std::size_t first, std::size_t last) const {
+        return stack_[last - 1].offset - stack_[first].offset;
+    }
 
     // As many runs as there are places; the longest that is near enough at each.
     std::vector<Run> near_runs(double most_mm) const {
@@ -89,10 +96,6 @@ class StackReader {
     }
 
   private:
-    double span_of(std::size_t first, std::size_t last) const {
-        return stack_[last - 1].offset - stack_[first].offset;
-    }
-
     double gap_before(std::size_t at) const {
         return at == 0 || at == stack_.size() ? std::numeric_limits<double>::infinity()
                                               : stack_[at].offset - stack_[at - 1].offset;
@@ -249,7 +252,7 @@ std::vector<Run> runs_of_one_slice(std::span<const PositionedCluster> stack,
              reading.as_one <= (reading.is_within_noise ? 1 : clear_share) * reading.as_several);
         if (reading.is_repeated
                 ? !reading.has_repeats && is_likelier && (reading.is_compared || reading.is_within_noise)
-                : reading.is_within_noise)
+                : reading.is_within_noise || reader.span_of(near[i].first, near[i].second) <= rounded_mm)
             runs.push_back(near[i]);
     }
     return runs;

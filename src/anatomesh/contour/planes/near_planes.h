@@ -28,6 +28,7 @@ struct PositionedCluster {
 //   several, there or in all such runs of the stack together: an outline and its hole, drawn at two heights,
 //   make a tube; read as several slices they make a stack of discs, large and small in turn. Slices of a
 //   solid at two heights stay two. At an end of the stack, only if a run within it shows the same.
+// Planes that draw no structure in common are one where they differ by no more than a file rounds places.
 // How much two slices differ: the area in one of them alone, as a share of both areas; regions by the
 // even-odd rule, areas by scan lines. Contours on two of the planes that differ by less than a tenth of their
 // area are two slices of one thing. Where the set has planes of other directions, too (not `is_whole_set`), contours

@@ -64,6 +64,19 @@ struct Drawn {
 
 const std::vector<Vec3> normals{{0, 0, 1}, {0.3, -0.2, 1}};
 
+// One file rounds the places of slices to a tenth for one structure and to a hundredth for another.
+TEST(NearPlanes, of_different_structures_that_a_file_rounds_are_one_slice) {
+    for (const double spacing : {1.25, 0.625, 2.35}) {
+        Drawn drawn;
+        for (std::size_t k = 0; k < 12; ++k) {
+            const double z = spacing * static_cast<double>(k);
+            drawn.circle(std::round(10 * z) / 10, 20, k, {}, 0);
+            if (k == 5 || k == 6) drawn.circle(std::round(100 * z) / 100, 4, k, {5, 0}, 1);
+        }
+        EXPECT_TRUE(drawn.is_grouped_as_drawn()) << spacing;
+    }
+}
+
 // Two legs of a bent tube whose slices lie a little apart along their normal, beside each other; the bend is drawn
 // across its path. In a set without other planes they are one slice each, as two vessels on one image are.
 TEST(NearPlanes, legs_of_a_bent_tube_keep_slices_of_their_own) {

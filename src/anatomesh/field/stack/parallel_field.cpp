@@ -190,14 +190,18 @@ void ParallelField::build_structure_stacks(const ContourSet& set, const std::vec
         const std::vector<StructurePart> own = parts_of(knots_of(s, {}));
         parts.insert(parts.end(), own.begin(), own.end());
     }
+    std::vector<double> made_mm(few.size(), 0.0);
     for (std::uint32_t s = 0; s < map_of_.size(); ++s) {
         if (map_of_[s].empty()) continue;
         StructureKnots knots = knots_of(s, parts);
         const bool is_union = s == set.structures.size();
         if (!is_union) warn_about_knots(set, s, knots, context);
+        for (std::size_t n = 0; n < few.size(); ++n)
+            if (few[n].structure == s) made_mm[n] = mean_thickness(knots);
         (is_union ? union_ : structure_stacks_[s]) =
             StructureStack(std::move(knots), map_of_[s], options.caps == EndCaps::rounded);
     }
+    warn_about_few_slices(set, few, made_mm, context);
 }
 
 // What a structure of a partition ends with is part of the union, though there it touches others that go on.
@@ -493,7 +497,6 @@ Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourS
     const bool several = std::count(used.begin(), used.end(), true) > 1;
     const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 1.5 * spacing;
     auto field = std::make_shared<ParallelField>(frame, spacing, clamp, set.exclusive && several);
-    warn_about_few_slices(set, few, context);
     ANATOMESH_CHECK_STATUS(field->build(set, intervals, few, options, context));
     return std::shared_ptr<const StructureField>(std::move(field));
 }

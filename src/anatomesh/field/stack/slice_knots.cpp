@@ -10,6 +10,7 @@
 #include "anatomesh/contour/model/slice_groups.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/coverage/covering_slices.h"
+#include "anatomesh/slices/coverage/few_slices.h"
 
 namespace anatomesh {
 
@@ -30,6 +31,9 @@ constexpr double same_spacing = 0.05;
 constexpr double joined_more = 1.02;
 // A wider gap that is joined is told of: half a slice more than usual is no rounding. [spacings; > 1; C]
 constexpr double hardly_wider = 1.5;
+// A structure whose thickness is known ends before the next slice where its half is less than this share of that gap.
+// [gaps; 1 to 2; D ends at 0.95 of the gap]
+constexpr double ends_before_next = 1.9;
 // Of uneven gaps none above this multiple of their median is usual.
 // [median gaps; > 1; M 2026-11 liver, vertebra and spleen by slices 1.5 to 6 mm apart]
 constexpr double most_uneven = 2;
@@ -248,15 +252,16 @@ GapClassification gaps_between(const TellingSlices& slices, const std::vector<Sl
 class KnotMaker {
   public:
     // `spacing`: where the gaps tell none.
-    KnotMaker(const std::vector<SliceInterval>& intervals, TellingSlices slices, double spacing,
-              const FieldOptions& options, const GapEvidence& evidence)
+    KnotMaker(const std::vector<SliceInterval>& intervals, TellingSlices slices, bool every_slice,
+              double spacing, const FieldOptions& options, const GapEvidence& evidence)
         : intervals_(intervals),
           options_(options),
           evidence_(evidence),
           slices_(std::move(slices)),
           gaps_(gaps_between(slices_, intervals, spacing)),
           spacing_(spacing),
-          widest_(options.max_gap_spacings * joined_more) {}
+          widest_(options.max_gap_spacings * joined_more),
+          nearest_to_end_(every_slice ? options.max_gap_spacings : hardly_wider) {}
 
     StructureKnots make(const std::vector<std::uint32_t>& drawn) {
         const std::vector<std::uint32_t>& covering = slices_.covering;
@@ -325,18 +330,32 @@ class KnotMaker {
     // Beyond the outermost ends: the next slice of the set where it says something and is near, else an empty
     // knot one spacing away.
     SliceKnot end_knot(std::uint32_t at, int direction, double local) const {
-        const bool is_last = direction > 0 ? at + 1 == intervals_.size() : at == 0;
-        if (!is_last && !slices_.own_spacing) {
-            const SliceInterval& next = intervals_[direction > 0 ? at + 1 : at - 1];
+        const double z = direction > 0 ? intervals_[at].high + local : intervals_[at].low - local;
+        const SliceKnot alone{z, z, SliceKnot::no_slice};
+        if (slices_.own_spacing) return alone;
+        const SliceInterval* next = next_slice(at, direction);
+        if (next == nullptr) return alone;
+        const double gap = direction > 0 ? next->low - intervals_[at].high : intervals_[at].low - next->high;
+        const double low = std::min(intervals_[at].high, next->high), high = low + gap;
+        const bool goes_on = has_part(evidence_.parts, low, high);
+        // As thick as it is known to be, it may end before the next slice.
+        const bool ends_before =
+            evidence_.thickness > 0 ? local <= ends_before_next * gap : gap > nearest_to_end_ * local;
+        return ends_before && !goes_on ? alone : SliceKnot{next->low, next->high, SliceKnot::no_slice};
+    }
+
+    // The next slice of the set beyond an end; where a thickness is known, those nearer than few_slices.h says are on
+    // the same plane as good as. Null: none.
+    const SliceInterval* next_slice(std::uint32_t at, int direction) const {
+        const double same_plane = same_plane_share * evidence_.thickness;
+        for (std::int64_t n = std::int64_t{at} + direction; n >= 0 && n < std::ssize(intervals_);
+             n += direction) {
+            const SliceInterval& next = intervals_[static_cast<std::size_t>(n)];
             const double gap =
                 direction > 0 ? next.low - intervals_[at].high : intervals_[at].low - next.high;
-            const double low = std::min(intervals_[at].high, next.high), high = low + gap;
-            const double near = evidence_.thickness > 0 ? joined_more : options_.max_gap_spacings;
-            if (gap <= near * local || has_part(evidence_.parts, low, high))
-                return {next.low, next.high, SliceKnot::no_slice};
+            if (gap > same_plane) return &next;
         }
-        const double z = direction > 0 ? intervals_[at].high + local : intervals_[at].low - local;
-        return {z, z, SliceKnot::no_slice};
+        return nullptr;
     }
 
     void add_slice(std::uint32_t at, bool is_drawn) {
@@ -401,6 +420,9 @@ class KnotMaker {
     GapClassification gaps_;
     double spacing_;
     double widest_;  // gap that is joined, in spacings
+    // A slice beyond an end that is further away, in spacings, says nothing of how far it goes: if slices say all, one is
+    // missing there; else it would be drawn on the one between.
+    double nearest_to_end_;
     StructureKnots made_;
     std::vector<std::uint32_t> part_;  // the drawn slices of the part at hand
 };
@@ -412,7 +434,19 @@ StructureKnots structure_knots(const std::vector<SliceInterval>& intervals,
                                const FieldOptions& options, const GapEvidence& evidence) {
     assert(!drawn.empty() && spacing > 0);
     TellingSlices slices = telling_slices(intervals, drawn, every_slice, evidence);
-    return KnotMaker(intervals, std::move(slices), spacing, options, evidence).make(drawn);
+    return KnotMaker(intervals, std::move(slices), every_slice, spacing, options, evidence).make(drawn);
+}
+
+double mean_thickness(const StructureKnots& knots) {
+    const std::vector<SliceKnot>& all = knots.knots;
+    double sum = 0;
+    int drawn = 0;
+    for (std::size_t n = 1; n + 1 < all.size(); ++n) {
+        if (all[n].slice == SliceKnot::no_slice) continue;
+        sum += 0.5 * (all[n].low - all[n - 1].high + all[n + 1].low - all[n].high);
+        ++drawn;
+    }
+    return drawn > 0 ? sum / drawn : 0;
 }
 
 std::vector<StructurePart> parts_of(const StructureKnots& knots) {

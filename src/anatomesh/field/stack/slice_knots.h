@@ -76,6 +76,9 @@ StructureKnots structure_knots(const std::vector<SliceInterval>& intervals,
                                const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
                                const FieldOptions& options, const GapEvidence& evidence = {});
 
+// Returns how thick a slice that draws it is in the mean: half-way to the knots beside it.
+double mean_thickness(const StructureKnots& knots);
+
 // Returns the parts between gaps that are not bridged.
 std::vector<StructurePart> parts_of(const StructureKnots& knots);
 

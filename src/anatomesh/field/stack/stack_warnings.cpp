@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -26,58 +27,79 @@ std::string slice_text(const ContourSet& set, std::uint32_t slice) {
 }
 
 // The names of up to three structures, and how many more there are.
-std::string names_of(const ContourSet& set, const std::vector<const FewSlices*>& which) {
+std::string names_of(const ContourSet& set, const std::vector<FewSlices>& few,
+                     const std::vector<std::size_t>& which) {
     constexpr std::size_t most_named = 3;  // More names make a line that nobody reads. [names; >= 1; D]
     std::string names;
     for (std::size_t n = 0; n < std::min(most_named, which.size()); ++n)
-        names += (n > 0 ? ", " : "") + structure_text(set.structures[which[n]->structure]);
+        names += (n > 0 ? ", " : "") + structure_text(set.structures[few[which[n]].structure]);
     if (which.size() > most_named) names += " and " + std::to_string(which.size() - most_named) + " more";
     return names;
 }
 
-const char* done_about(ThicknessBy by) {
-    switch (by) {
+// Why slices came out as thick as they are; the keys under which structures are told together.
+enum class ThickAs : std::uint8_t { source, others, nothing, ended_by_slices };
+
+std::optional<ThickAs> told_as(const FewSlices& few, double made_mm) {
+    // A slice that comes out thinner by more than this share is told. [1; 0 to 1; C 2 % of a volume]
+    constexpr double thinner = 0.02;
+    if (few.slices.size() > 1)
+        return few.by == ThicknessBy::nothing ? std::optional(ThickAs::nothing) : std::nullopt;
+    if (few.mm > 0 && made_mm < (1 - thinner) * few.mm) return ThickAs::ended_by_slices;
+    switch (few.by) {
         case ThicknessBy::option:
-            break;
+            return std::nullopt;
         case ThicknessBy::source:
-            return "each is as thick as the source says that a slice is; --slice-thickness gives another "
-                   "thickness";
+            return ThickAs::source;
         case ThicknessBy::others:
-            return "each is as thick as the slices of other structures are apart; --slice-thickness gives "
-                   "another "
-                   "thickness";
+            return ThickAs::others;
         case ThicknessBy::nothing:
-            return "nothing says how thick a slice is, so that each reaches half-way to the slices beside "
-                   "it, or half "
-                   "of that gap beyond the last one; --slice-thickness states the thickness";
+            break;
     }
-    return "each is as thick as --slice-thickness says";
+    return ThickAs::nothing;
+}
+
+const char* done_about(ThickAs way) {
+    switch (way) {
+        case ThickAs::source:
+            return "it is as thick as the source says that a slice is; --slice-thickness gives another "
+                   "thickness";
+        case ThickAs::others:
+            return "it is as thick as the slices of other structures are apart; --slice-thickness gives "
+                   "another thickness";
+        case ThickAs::ended_by_slices:
+            return "slices beside it, which do not draw it, end it sooner than its thickness would; "
+                   "--without leaves such a slice out";
+        case ThickAs::nothing:
+            break;
+    }
+    return "nothing says how thick a slice is, so that the distance of slices was taken; --slice-thickness "
+           "states the thickness";
 }
 
 }  // namespace
 
-void warn_about_few_slices(const ContourSet& set, const std::vector<FewSlices>& few, RunContext& context) {
-    for (const ThicknessBy by : {ThicknessBy::source, ThicknessBy::others, ThicknessBy::nothing}) {
+void warn_about_few_slices(const ContourSet& set, const std::vector<FewSlices>& few,
+                           const std::vector<double>& made_mm, RunContext& context) {
+    for (const ThickAs way : {ThickAs::source, ThickAs::others, ThickAs::ended_by_slices, ThickAs::nothing}) {
         for (const std::size_t count : {std::size_t{1}, std::size_t{2}}) {
-            if (count > 1 && by != ThicknessBy::nothing) continue;
-            std::vector<const FewSlices*> which;
-            for (const FewSlices& each : few)
-                if (each.by == by && each.slices.size() == count) which.push_back(&each);
+            std::vector<std::size_t> which;
+            for (std::size_t n = 0; n < few.size(); ++n)
+                if (few[n].slices.size() == count && told_as(few[n], made_mm[n]) == way) which.push_back(n);
             if (which.empty()) continue;
-            const FewSlices& first = *which.front();
-            std::string slices = slice_text(set, first.slices[0]);
-            if (count > 1) slices += " and " + slice_text(set, first.slices[1]);
-            std::string value =
-                std::to_string(which.size()) + (which.size() == 1 ? " structure" : " structures");
-            if (first.mm > 0) value += ", the first " + text(first.mm) + " mm thick";
-            context.warn(
-                {"W-FLD-021",
-                 count == 1 ? "a structure is drawn on one slice alone, so that nothing shows how it goes on "
-                              "above and below"
-                            : "a structure is drawn on two slices alone, so that nothing shows whether it "
-                              "goes on between and beyond them",
-                 {set.source, slices, names_of(set, which), "", value},
-                 done_about(by)});
+            const std::size_t first = which.front();
+            std::string slices = slice_text(set, few[first].slices[0]);
+            if (count > 1) slices += " and " + slice_text(set, few[first].slices[1]);
+            std::string value = text(made_mm[first]) + " mm thick";
+            if (which.size() > 1)
+                value = std::to_string(which.size()) + " structures, the first on this slice and " + value;
+            context.warn({"W-FLD-021",
+                          count == 1 ? "drawn on one slice alone, so that nothing shows how it goes on above "
+                                       "and below"
+                                     : "drawn on two slices alone, so that nothing shows whether it goes on "
+                                       "between and beyond them",
+                          {set.source, slices, names_of(set, few, which), "", value},
+                          done_about(way)});
         }
     }
 }

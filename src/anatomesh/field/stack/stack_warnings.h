@@ -19,8 +19,10 @@ void warn_about_knots(const ContourSet& set, std::uint32_t structure, const Stru
                       RunContext& context);
 
 // W-FLD-021, once for each way in which the thickness is known: structures that are drawn on one slice alone, so that
-// nothing drawn shows how they go on above and below; and those on two of which nothing says how thick they are.
-void warn_about_few_slices(const ContourSet& set, const std::vector<FewSlices>& few, RunContext& context);
+// nothing drawn shows how they go on above and below; those on two of which nothing says how thick they are; and those
+// that slices beside them end sooner than the user says. `made_mm`: of each, how thick a slice came out.
+void warn_about_few_slices(const ContourSet& set, const std::vector<FewSlices>& few,
+                           const std::vector<double>& made_mm, RunContext& context);
 
 // W-FLD-005, once for each structure: neighbouring slices on which it has no point in common, as seen along
 // the normal, so that what is between them is a guess. `slice_of_map`: of the distance maps that the stacks

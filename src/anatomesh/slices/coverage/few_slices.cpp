@@ -9,9 +9,9 @@ namespace anatomesh {
 
 namespace {
 
-// A structure that is drawn on more slices: its first and last one as indices into the intervals, and its spacing.
-struct Reach {
-    std::uint32_t first = 0, last = 0;
+// A structure that is drawn on more slices: the intervals that draw it, and its spacing.
+struct OnMoreSlices {
+    const std::vector<std::uint32_t>* drawn = nullptr;
     double spacing = 0;
 };
 
@@ -38,19 +38,21 @@ std::vector<std::vector<std::uint32_t>> drawn_intervals(const ContourSet& set,
     return drawn;
 }
 
-// The least spacing of structures that reach over the slices from `first` to `last`, and of any. 0: none.
+// The least spacing of structures that are drawn on these slices, too, and of any. 0: none.
 struct SpacingOfOthers {
-    double over = 0, any = 0;
+    double same_slices = 0, any = 0;
 };
 
-SpacingOfOthers spacing_of_others(const std::vector<Reach>& others, std::uint32_t first, std::uint32_t last) {
+SpacingOfOthers spacing_of_others(const std::vector<OnMoreSlices>& others,
+                                  const std::vector<std::uint32_t>& slices) {
     constexpr double none = std::numeric_limits<double>::infinity();
-    double over = none, any = none;
-    for (const Reach& other : others) {
+    double same_slices = none, any = none;
+    for (const OnMoreSlices& other : others) {
         any = std::min(any, other.spacing);
-        if (other.first <= first && last <= other.last) over = std::min(over, other.spacing);
+        if (std::includes(other.drawn->begin(), other.drawn->end(), slices.begin(), slices.end()))
+            same_slices = std::min(same_slices, other.spacing);
     }
-    return {over < none ? over : 0, any < none ? any : 0};
+    return {same_slices < none ? same_slices : 0, any < none ? any : 0};
 }
 
 }  // namespace
@@ -61,27 +63,28 @@ std::vector<FewSlices> structures_on_few_slices(const ContourSet& set,
     std::vector<FewSlices> few;
     if (says_all(set)) return few;
     const std::vector<std::vector<std::uint32_t>> drawn = drawn_intervals(set, intervals);
-    std::vector<Reach> others;
+    std::vector<OnMoreSlices> others;
     for (const std::vector<std::uint32_t>& slices : drawn) {
-        if (slices.size() > most_few_slices)
-            others.push_back({slices.front(), slices.back(), spacing_of(intervals, slices)});
+        if (slices.size() > most_few_slices) others.push_back({&slices, spacing_of(intervals, slices)});
     }
     for (std::uint32_t s = 0; s < drawn.size(); ++s) {
         if (drawn[s].empty() || drawn[s].size() > most_few_slices) continue;
         FewSlices which{s};
         for (const std::uint32_t i : drawn[s]) which.slices.push_back(intervals[i].slice);
-        const SpacingOfOthers spacing = spacing_of_others(others, drawn[s].front(), drawn[s].back());
+        const SpacingOfOthers spacing = spacing_of_others(others, drawn[s]);
         const double stated = set.slice_thickness_mm;
         if (asked_mm > 0) {
             which.mm = asked_mm;
             which.by = ThicknessBy::option;
-        } else if (stated > 0 && spacing.over <= stated) {
+        } else if (stated > 0 && spacing.same_slices <= stated) {
             which.mm = stated;
             which.by = ThicknessBy::source;
         } else if (spacing.any > 0) {
-            which.mm = spacing.over > 0 ? spacing.over : spacing.any;
+            which.mm = spacing.same_slices > 0 ? spacing.same_slices : spacing.any;
             which.by = ThicknessBy::others;
         }
+        if (drawn[s].size() == 2 && which.by != ThicknessBy::option)
+            which.mm = std::min(which.mm, intervals[drawn[s][1]].low - intervals[drawn[s][0]].high);
         few.push_back(std::move(which));
     }
     return few;

@@ -14,6 +14,10 @@ namespace anatomesh {
 // are a stride. [slices; 2; D]
 inline constexpr std::size_t most_few_slices = 2;
 
+// Another slice that is nearer says nothing of a structure on few slices: files round the places of slices.
+// [thicknesses; 0 to 0.25; C half a tenth of a millimetre beside slices of half a millimetre]
+inline constexpr double same_plane_share = 0.12;
+
 // What says how thick a slice is, the strongest first.
 enum class ThicknessBy : std::uint8_t {
     option,  // the user
@@ -33,9 +37,10 @@ struct FewSlices {
 // Returns the structures of a stack that are drawn on most_few_slices at most, in order, with the thickness of
 // their slices:
 // - `asked_mm` where it is above 0.
-// - Else what the source states. Where structures on more slices that reach over those of this one are drawn further
+// - Else what the source states. Where structures on more slices that are drawn on those of this one, too, lie further
 //   apart, it is the least of their spacings, because the drawing then leaves out images between.
-// - Else the least spacing of structures that reach over it, and of any others where none does.
+// - Else the least spacing of such structures, and of any others where there is none.
+// - No more than the distance of its own two slices, unless the user says so.
 // Nothing for sets whose slices say all (says_all()), because there the slices beside a structure end it.
 // `intervals`: of the set. Complexity: O(contours + few x structures).
 std::vector<FewSlices> structures_on_few_slices(const ContourSet& set,

@@ -58,6 +58,15 @@ TEST(FewSlices, the_user_comes_before_the_source_and_both_before_other_structure
     set.slice_thickness_mm = 1.5;
     EXPECT_EQ(few_of(set)[0].mm, 3);
     EXPECT_EQ(few_of(set)[0].by, ThicknessBy::others);
+    // A lesion on slices of its own among those of the organ is drawn more finely than this.
+    ContourSet finer = discs({every(15, 6), {21}, {33, 36}});
+    finer.slice_thickness_mm = 3;
+    ASSERT_EQ(few_of(finer).size(), 2u);
+    EXPECT_EQ(few_of(finer)[0].mm, 3);
+    EXPECT_EQ(few_of(finer)[1].mm, 3);
+    finer.slice_thickness_mm = 0;
+    EXPECT_EQ(few_of(finer)[0].mm, 15);
+    EXPECT_EQ(few_of(finer)[1].mm, 3) << "its own gap";
     // An organ elsewhere says nothing of that, where the source says something.
     ContourSet beyond = discs({every(3, 4), {30}});
     EXPECT_EQ(few_of(beyond)[0].mm, 3);
@@ -89,6 +98,37 @@ TEST(FewSlices, slices_that_say_all_end_a_structure_themselves) {
     EXPECT_TRUE(structures_on_few_slices(set).empty());
     set.complete = false;
     EXPECT_EQ(structures_on_few_slices(set), (std::vector<std::uint32_t>{1}));
+}
+
+// Files round the places of slices: one almost on the lesion's plane, which draws the organ alone, does not end it.
+TEST(FewSlices, a_slice_as_good_as_on_the_same_plane_says_nothing) {
+    for (const double off : {0.0, 0.02, 0.1, 0.3, 1.0, 1.4}) {
+        ContourSet set = discs({every(3, 12), {15 + off}});
+        RunContext context;
+        const auto field = make_structure_field(set, {}, context);
+        ASSERT_TRUE(field.ok());
+        const auto volumes = field_volumes(*field.value(), 2, {}, context);
+        const double disc = 3 * 32 * std::sin(2 * std::numbers::pi / 64) * 36,
+                     made = volumes.value()[1].by_field;
+        const bool ends_sooner = off > 0.36;  // in the middle of the gap to the slice beside it
+        EXPECT_NEAR(made / disc, ends_sooner ? (0.5 * off + 1.5) / 3 : 1, 0.03) << off;
+        const auto told = std::find_if(context.warnings.begin(), context.warnings.end(),
+                                       [](const Warning& warning) { return warning.code == "W-FLD-021"; });
+        ASSERT_NE(told, context.warnings.end());
+        EXPECT_EQ(told->what_was_done.starts_with("slices beside it"), ends_sooner) << off;
+    }
+}
+
+// The organ does not grow because a lesion above it is drawn two spacings on.
+TEST(FewSlices, what_is_drawn_beyond_a_structure_does_not_lengthen_it) {
+    for (const double beyond : {1.6, 1.9, 2.0, 2.1, 3.0}) {
+        RunContext context;
+        const ContourSet set = discs({every(2.4, 10), {9 * 2.4 + beyond * 2.4}});
+        const auto field = make_structure_field(set, {}, context);
+        ASSERT_TRUE(field.ok());
+        EXPECT_LT(field.value()->value(0, {0, 0, 9.49 * 2.4}), 0);
+        EXPECT_GT(field.value()->value(0, {0, 0, 9.51 * 2.4}), 0) << beyond;
+    }
 }
 
 // Structures on one slice, on two beside each other and on two far apart, on any slices of a stack.

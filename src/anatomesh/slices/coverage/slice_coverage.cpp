@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "anatomesh/slices/coverage/covering_slices.h"
+#include "anatomesh/slices/coverage/few_slices.h"
 #include "anatomesh/slices/coverage/undrawn_structures.h"
 
 namespace anatomesh {
@@ -225,6 +226,19 @@ void mark_along_paths(const ContourSet& set, const std::vector<SlicePath>& paths
     }
 }
 
+// Slices as good as on the plane of one that draws a structure on few slices say nothing of it.
+void mark_beside_few(const ContourSet& set, SliceCoverage& coverage) {
+    const std::vector<SliceInterval> intervals = parallel_intervals(set, set.slices.front().plane);
+    for (const FewSlices& few : structures_on_few_slices(set, intervals, 0))
+        for (const std::uint32_t drawn : few.slices)
+            for (std::uint32_t k = 0; k < set.slices.size() && few.mm > 0; ++k) {
+                const double away =
+                    std::abs(set.slices[drawn].plane.signed_distance(set.slices[k].plane.origin));
+                if (away <= same_plane_share * few.mm)
+                    coverage.set_absence(k, few.structure, Coverage::unknown);
+            }
+}
+
 }  // namespace
 
 SliceCoverage coverage_of(const ContourSet& set, const SliceArrangement& arrangement, RunContext& context) {
@@ -236,6 +250,7 @@ SliceCoverage coverage_of(const ContourSet& set, const SliceArrangement& arrange
     const Coverage skipped = arrangement.is_stack() ? Coverage::unknown : Coverage::doubtful;
     const std::vector<std::uint8_t> decided = mark_by_level(set, skipped, coverage);
     if (!says_all(set)) mark_skipped(set, arrangement, decided, skipped, coverage);
+    if (arrangement.is_parallel()) mark_beside_few(set, coverage);
     if (!arrangement.is_stack() && set.structures.size() > 1)
         mark_where_slices_cross(set, arrangement, coverage, context);
     return coverage;
