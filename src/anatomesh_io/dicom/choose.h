@@ -52,7 +52,7 @@ struct AcceptContours {
 // Compares contours with the places of the images they refer to, and returns whether all lie on images. Errors: E-DCM-037 no contour lies within the
 // images, unless accept.outside; E-DCM-038 the coordinates contradict the images, and would lie on them if they
 // were cm or m and not mm, unless accept.unit_is_given. Warns W-DCM-019 of planes that lie on no image, W-DCM-020
-// of contours outside all images. Where all contours lie on images, their unit is right, so that W-RTS-006 is taken
+// of contours outside all images, W-DCM-027 of contours that reach beyond the pixels of theirs. Where all contours lie on images, their unit is right, so that W-RTS-006 is taken
 // back. Images whose places cannot be read are passed over.
 Result<bool> check_against_images(const RawContours& contours, const DicomFolder& folder,
                                   const std::vector<std::uint32_t>& images, const AcceptContours& accept,

@@ -227,6 +227,28 @@ std::string beside_images(const ContourSet& set, const AcceptContours& accept = 
     return status.ok() ? study.warnings() : status.error().code;
 }
 
+// The squares reach from x = -9 to -4; the images begin half a pixel before x = -10.
+TEST(DicomChoice, RS31_contours_partly_outside_their_images_are_told) {
+    for (const double shift : {-0.5, 0.0, 0.3})
+        EXPECT_EQ(beside_images(square_set(30, 5, shift)), "") << shift;
+    for (const double shift : {-2.7, -3.5, -5.0}) {
+        ContourSet set = square_set(30, 5);
+        for (std::uint32_t k = 8; k < 12; ++k) set.points[k].x += shift;  // the third slice, at z = 36
+        const std::string told = beside_images(set);
+        EXPECT_NE(told.find("W-DCM-027"), std::string::npos) << told;
+        EXPECT_NE(told.find("1 contours reach"), std::string::npos) << told;
+        EXPECT_NE(told.find("square"), std::string::npos) << told;
+        EXPECT_NE(told.find("z = 36"), std::string::npos) << told;
+        EXPECT_NE(told.find("mm outside"), std::string::npos) << told;
+        EXPECT_EQ(told.find("W-DCM-020"), std::string::npos) << told;
+    }
+    // Wholly outside, beside the others: the slice and the distance are told too.
+    ContourSet beyond = square_set(30, 8);
+    const std::string told = beside_images(beyond);
+    EXPECT_NE(told.find("z = 51"), std::string::npos) << told;
+    EXPECT_NE(told.find("9 mm outside"), std::string::npos) << told;
+}
+
 TEST(DicomChoice, RS10_RS31_planes_and_places_against_the_images) {
     EXPECT_EQ(beside_images(square_set(30, 5)), "");
     EXPECT_EQ(beside_images(square_set(30.01, 5)), "");

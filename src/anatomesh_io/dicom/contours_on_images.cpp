@@ -51,11 +51,13 @@ class ImagePlanes {
                                         static_cast<double>(planes_.size() - 1)
                                   : 1;
     }
-    // Where a contour lies when its coordinates are multiplied by `scale`, the nearest image, and how far that is away.
+    // Where a contour lies when its coordinates are multiplied by `scale`, the nearest image, how far that is away, and
+    // how far the contour reaches beyond the images: beyond their pixels, or beyond the first or the last one. mm
     struct Place {
         Lies lies = Lies::across;
         double away = 0;
         const DicomFrame* image = nullptr;
+        double beyond = 0;
     };
     Place place_of(const RawContours& contours, const RawContour& contour, double scale) const {
         double low = 1e300, high = -1e300;
@@ -68,12 +70,15 @@ class ImagePlanes {
         const Placed& nearest = nearest_to((low + high) / 2);
         const double away = std::abs(nearest.height - (low + high) / 2);
         if (low < planes_.front().height - spacing() || high > planes_.back().height + spacing())
-            return {Lies::outside, away, nearest.frame};
-        bool all_aside = true;
-        for (std::uint32_t p = 0; p < contour.point_count && all_aside; ++p)
-            all_aside = is_aside(scale * contours.points[contour.first_point + p], *nearest.frame);
-        if (all_aside) return {Lies::outside, away, nearest.frame};
-        return {away > same_plane_mm ? Lies::between : Lies::on, away, nearest.frame};
+            return {Lies::outside, away, nearest.frame, away};
+        double nearest_aside = 1e300, farthest_aside = 0;
+        for (std::uint32_t p = 0; p < contour.point_count; ++p) {
+            const double aside = aside_of(scale * contours.points[contour.first_point + p], *nearest.frame);
+            nearest_aside = std::min(nearest_aside, aside);
+            farthest_aside = std::max(farthest_aside, aside);
+        }
+        if (nearest_aside > 0) return {Lies::outside, away, nearest.frame, farthest_aside};
+        return {away > same_plane_mm ? Lies::between : Lies::on, away, nearest.frame, farthest_aside};
     }
 
   private:
@@ -90,20 +95,38 @@ class ImagePlanes {
         return above->height - height < height - (above - 1)->height ? *above : *(above - 1);
     }
 
-    // Whether a point lies beside the pixels of an image, wherever along the normal. With a gantry tilt each image
-    // is shifted against the one before it.
-    static bool is_aside(Vec3 point, const DicomFrame& image) {
+    // How far a point lies beside the pixels of an image, wherever along the normal; 0 on them. With a gantry tilt each
+    // image is shifted against the one before it. mm
+    static double aside_of(Vec3 point, const DicomFrame& image) {
         const Vec3 p = point - image.position;
-        const double i = dot(p, image.row) / image.spacing[0], j = dot(p, image.column) / image.spacing[1];
-        return i < -0.5 || j < -0.5 || i > image.columns - 0.5 || j > image.rows - 0.5;
+        const auto beyond = [](double at, double spacing, double count) {
+            return std::max({-0.5 * spacing - at, at - (count - 0.5) * spacing, 0.0});
+        };
+        return std::hypot(beyond(dot(p, image.row), image.spacing[0], image.columns),
+                          beyond(dot(p, image.column), image.spacing[1], image.rows));
     }
 
     const DicomFrame* first_ = nullptr;
     std::vector<Placed> planes_;
 };
 
+// The contour that reaches farthest beyond its images, of those that do.
+struct FarthestBeyond {
+    std::uint64_t count = 0;
+    const RawContour* contour = nullptr;
+    double mm = 0;
+
+    void add(const RawContour& one, double beyond) {
+        ++count;
+        if (contour != nullptr && beyond <= mm) return;
+        contour = &one;
+        mm = beyond;
+    }
+};
+
 struct Counts {
     std::uint64_t on = 0, between = 0, outside = 0;
+    FarthestBeyond wholly, partly;         // of the contours that lie outside, and of the others
     std::uint64_t planes = 0, images = 0;  // planes of contours, and images that these lie on
     double worst = 0;
 
@@ -117,10 +140,12 @@ Counts count_places(const RawContours& contours, const ImagePlanes& images, doub
     double before = 1e300;
     for (const RawContour& contour : contours.contours) {
         if (contour.point_count == 0) continue;
-        const auto [lies, away, image] = images.place_of(contours, contour, scale);
+        const auto [lies, away, image, beyond] = images.place_of(contours, contour, scale);
         counts.on += lies == Lies::on;
         counts.between += lies == Lies::between;
         counts.outside += lies == Lies::outside;
+        if (lies == Lies::outside) counts.wholly.add(contour, beyond);
+        if (lies != Lies::outside && beyond > same_plane_mm) counts.partly.add(contour, beyond);
         if (lies == Lies::between) counts.worst = std::max(counts.worst, away);
         if (lies == Lies::on) used.insert(image);
         const double height = dot(contours.points[contour.first_point], images.normal());
@@ -147,6 +172,16 @@ Status check_unit(const RawContours& contours, const ImagePlanes& images, const 
             fmt::format("give --unit {} to read them so, or --unit mm to take them as they are", unit)};
     }
     return Nothing{};
+}
+
+// The contour, and how far it reaches beyond its images.
+Place place_beyond(const RawContours& contours, const FarthestBeyond& farthest) {
+    const RawContour& contour = *farthest.contour;
+    const Structure& structure = contours.structures[contour.structure];
+    const Vec3 at = contours.points[contour.first_point];
+    return {contours.source, contour.slice.empty() ? fmt::format("z = {:.6g}", at.z) : contour.slice,
+            structure.name.empty() ? std::to_string(structure.number) : structure.name, contour.name,
+            fmt::format("{:.3g} mm outside", farthest.mm)};
 }
 
 std::optional<Vec3> first_point(std::string_view data) {
@@ -202,10 +237,21 @@ Result<bool> check_against_images(const RawContours& contours, const DicomFolder
                       {contours.source, {}, {}, {}, fmt::format("up to {:.3g} mm", counts.worst)},
                       "their coordinates were used"});
     if (counts.outside > 0)
-        context.warn({"W-DCM-020",
-                      fmt::format("{} contours lie outside the images they refer to", counts.outside),
-                      {contours.source, {}, {}, {}, {}},
-                      "their coordinates were used"});
+        context.warn(
+            {"W-DCM-020",
+             fmt::format("{} contours lie outside the images they refer to; the one that lies farthest "
+                         "outside is named",
+                         counts.outside),
+             place_beyond(contours, counts.wholly),
+             "their coordinates were used; check that contours and images belong together"});
+    if (counts.partly.count > 0)
+        context.warn(
+            {"W-DCM-027",
+             fmt::format("{} contours reach beyond the edge of the images they refer to, where no pixel "
+                         "shows what they follow; the one that reaches farthest is named",
+                         counts.partly.count),
+             place_beyond(contours, counts.partly),
+             "their coordinates were used; check these contours, and that they belong to these images"});
     return are_on_images;
 }
 
