@@ -342,6 +342,21 @@ class HostilePeers(harness.TestCase):
         self.assertEqual(receiver.leftovers(), [])
         self.assertEqual(receiver.stop()["refused"], statuses.count(0xA700))
 
+    def test_F09_the_folder_is_deleted_while_it_receives(self):
+        receiver = Receiver(self)
+        with associated(receiver) as connection:
+            self.assertEqual(store(connection, b"1.1", data_set(b"1.1")), 0)
+        shutil.rmtree(receiver.folder)
+        with associated(receiver) as connection:
+            self.assertEqual(store(connection, b"1.2", data_set(b"1.2")), 0xA700)
+        receiver.folder.mkdir()
+        with associated(receiver) as connection:
+            for instance in (b"1.1", b"1.2"):
+                self.assertEqual(store(connection, instance, data_set(instance)), 0)
+        self.assertEqual(len(receiver.files()), 2)
+        answer = receiver.stop()
+        self.assertEqual((answer["stored"], answer["refused"]), (3, 1))
+
     def test_A13_the_quota(self):
         receiver = Receiver(self, "--quota", "0.1")
         with associated(receiver) as connection:
