@@ -277,7 +277,7 @@ class Elements(harness.TestCase):
         model = ["model", "ct.nrrd", "--threshold", "200", "-o", "ball.vtu", "--material", "bone.json"]
         self.assert_refused(model, 3, "E-MAT-004", "threshold 200", "--name", outputs=["ball.vtu"])
         # Before the mesh is made: nothing is said of cells.
-        self.assert_refused([*model, "--name", "bone", "--size", "0.01", "--material", "ct.nrrd"], 3, "E-MAT-001")
+        self.assert_refused([*model[:-1], "ct.nrrd", "--size", "0.01"], 3, "E-MAT-001")
         for table, wanted in (([[5, -1]], "moduli are above 0"), ([[5, 1], [4, 1]], "grey values rise")):
             self.write("wrong.json", {"format": "anatomesh-material", "version": 1, "laws": [{"table": table}]})
             self.assert_refused([*model[:-1], "wrong.json", "--size", "0.01"], 3, "E-MAT-002", wanted)
