@@ -393,6 +393,31 @@ class Folders(harness.TestCase):
             self.assertIn("W-FLD-021", told)
             self.run_program("model", "study", "--structure", "1", "--slice-thickness", "2", "-o", "x.vtu", expect=2)
 
+    def test_images_of_the_drawn_slices_alone_are_no_series_and_state_the_thickness(self):
+        """An archive that exports the images with contours alone: their distances say nothing of how thick a slice is."""
+        area = 64 / 2 * math.sin(2 * math.pi / 64) * 36
+        for drawn in ((2, 7, 15), (3, 6), (1, 4, 9, 18)):
+            shutil.rmtree(self.study)
+            self.study.mkdir()
+            paths = write_series(self.study, SliceThickness=2.5)
+            first = float(pydicom.dcmread(paths[0]).ImagePositionPatient[2])
+            self.drawn([(n + 1, (0, 0, first + 3 * k), 6) for n, k in enumerate(drawn)])
+            for k, path in enumerate(paths):
+                if k not in drawn:
+                    path.unlink()
+            found, told = self.volumes("study")
+            self.assertIn("W-FLD-021", told)
+            for number, (volume, _) in found.items():
+                self.assertAlmostEqual(volume / (area * 2.5), 1, delta=0.02, msg=f"{drawn} {number}")
+
+    def test_a_structure_on_none_of_every_nth_slice_is_told(self):
+        write_series(self.study)
+        first = float(pydicom.dcmread(self.study / "slice000").ImagePositionPatient[2])
+        self.drawn([(1, (0, 0, first + 3 * k), 20) for k in range(2, 18)] + [(2, (30, 0, first + 3 * 7), 5)])
+        found, told = self.volumes("study", "--every", "2")
+        self.assertIn("W-CON-001", told)
+        self.assertEqual(list(found), [1])
+
     def test_several_series(self):
         write_series(self.study)
         (self.study / "more").mkdir()

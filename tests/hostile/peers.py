@@ -5,7 +5,6 @@ import socket
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 
 import mutations
@@ -31,38 +30,15 @@ def sound_answers(study):
             (["fetch", "--study", STUDY, "-o", "in"], message(b'multipart/related; type="application/dicom"; boundary=b', parts))]
 
 
-class Service:
-    """Sends the same bytes to whoever asks, and closes."""
-
-    def __init__(self, answer):
-        self.answer = answer
-        self.listener = socket.create_server(("127.0.0.1", 0))
-        self.port = self.listener.getsockname()[1]
-        threading.Thread(target=self._serve, daemon=True).start()
-
-    def _serve(self):
-        while True:
-            try:
-                connection = self.listener.accept()[0]
-            except OSError:
-                return
-            with connection:
-                connection.settimeout(5)
-                try:
-                    while CRLF * 2 not in connection.recv(65536):
-                        pass
-                    connection.sendall(self.answer)
-                    connection.shutdown(socket.SHUT_WR)
-                    connection.recv(1)
-                except OSError:
-                    pass
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.listener.shutdown(socket.SHUT_RDWR)
-        self.listener.close()
+def saying(answer):
+    """What a service does that sends the same bytes to whoever asks, and closes."""
+    def serve(connection):
+        while CRLF * 2 not in connection.recv(65536):
+            pass
+        connection.sendall(answer)
+        connection.shutdown(socket.SHUT_WR)
+        connection.recv(1)
+    return serve
 
 
 def web_services(program, study, count, seed, workers, tally):
@@ -73,7 +49,7 @@ def web_services(program, study, count, seed, workers, tally):
         source = random.Random(f"{seed} answer {number}")
         words, answer = sound[number % len(sound)]
         way = ways[number // len(sound) % len(ways)]
-        with Service(mutations.WAYS[way](answer, source)) as service:
+        with dicom.RawService(saying(mutations.WAYS[way](answer, source))) as service:
             run = runs.Run([program, *words, "--from", f"http://127.0.0.1:{service.port}/web", "--timeout", "2"], folder)
         row = f"DICOMweb service answers a {words[0]}"
         tally.add(row, run.code)

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "anatomesh/contour/cleaned_for_test.h"
+#include "anatomesh/outliers/shape_of_structure.h"
 #include "anatomesh/outliers/warn_about_outlying_slices.h"
 #include "anatomesh/outliers/wrong_slices_for_test.h"
 
@@ -233,6 +234,31 @@ TEST(OutlyingSlices, one_of_several_structures_that_lies_aside_is_named) {
         }
         EXPECT_EQ(displaced_in(fixtures::clean(file).kept()), std::vector<std::uint32_t>{8}) << both;
     }
+}
+
+// On a slice that is left out all its structures go, and a grid that counts otherwise than a coarser one counts nothing.
+TEST(OutlyingSlices, a_warning_says_what_else_goes_and_counts_only_what_two_grids_count) {
+    fixtures::File file;
+    for (int k = 0; k < 11; ++k) {
+        file.add(fixtures::circle(0, 0, 10, 40, 3.0 * k));
+        file.add(fixtures::circle(40, 0, 10, 40, 3.0 * k), 1);
+        if (k == 5) file.add(fixtures::circle(0, 0, 9.7, 40, 3.0 * k));
+    }
+    const ContourSet set = fixtures::clean(file).kept();
+    RunContext context;
+    warn_about_outlying_slices(set, arrangement_of(set), {}, context);
+    ASSERT_EQ(context.warnings.size(), 1u);
+    EXPECT_NE(context.warnings[0].what_was_done.find("leaves it out, for all 2 structures that it draws"),
+              std::string::npos)
+        << context.warnings[0].what_was_done;
+    const Result<StructureShape> thin = shape_of_structure(set, 0, {}, context);
+    ASSERT_TRUE(thin.ok());
+    EXPECT_FALSE(thin.value().is_counted)
+        << thin.value().parts << " parts, " << thin.value().tunnels << " tunnels";
+    const Result<StructureShape> whole = shape_of_structure(set, 1, {}, context);
+    ASSERT_TRUE(whole.ok());
+    EXPECT_TRUE(whole.value().is_counted);
+    EXPECT_EQ(whole.value().parts, 1u);
 }
 
 TEST(OutlyingSlices, a_warning_says_what_is_wrong_and_how_to_leave_it_out) {
