@@ -33,6 +33,15 @@ def tilted(p):
     return (p[0], 0.8 * p[1] - 0.6 * p[2], 0.6 * p[1] + 0.8 * p[2])
 
 
+def organ_and_lesion():
+    """A lesion on two slices of an organ, and on two a little off its slices, as files round them."""
+    organ = shapes.sphere(8.0, 2.5)
+    organ.structures[2] = "lesion"
+    for z in (0.0, 0.04, 2.5, 2.46):
+        organ.add_slice(z, [(2, shapes.circle(2.0, 24, (3.0 if z in (0.0, 2.5) else -3.0, 0.0)))])
+    return organ.document()
+
+
 def made(program, folder):
     """All seeds, made in `folder`."""
     folder = pathlib.Path(folder)
@@ -52,6 +61,8 @@ def made(program, folder):
         (folder / name).write_text(json.dumps(document))
     for ending in ("vtp", "csl", "dcm"):
         run("contours", "oblique.json", "-o", f"contours.{ending}")
+    (folder / "two.json").write_text(json.dumps(organ_and_lesion()))
+    run("contours", "two.json", "-o", "two.dcm")
     axis = np.arange(14) - 6.5
     x, y, z = np.meshgrid(axis, axis, axis, indexing="ij")
     inside = x ** 2 + y ** 2 + z ** 2
@@ -65,7 +76,7 @@ def made(program, folder):
     for ending in ("msh", "inp", "mesh"):
         run("convert", "small.vtu", "-o", f"small.{ending}")
     kinds = {"stack.json": "JSON contours", "oblique.json": "JSON contours", "crossing.json": "JSON contours that cross", "contours.vtp": "VTP contours",
-             "contours.dcm": "RTSTRUCT", "labels.nrrd": "NRRD label map", "bits.nii": "NIfTI label map", "bits.nii.gz": "NIfTI label map, compressed",
+             "contours.dcm": "RTSTRUCT", "two.dcm": "RTSTRUCT of two structures", "labels.nrrd": "NRRD label map", "bits.nii": "NIfTI label map", "bits.nii.gz": "NIfTI label map, compressed",
              "seg.dcm": "DICOM segmentation"}
     found = [of_model(kind, name) for name, kind in kinds.items()]
     found.append(of_model("CSL contours", "contours.csl", "--frame", "LPS"))

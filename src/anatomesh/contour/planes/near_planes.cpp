@@ -79,14 +79,16 @@ class StackReader {
             const std::size_t beside = several.size();
             for (std::size_t s = run.first; s < run.second; ++s) add({s, s + 1}, structure, several);
             if (several.size() < beside + 2) continue;
-            const bool has_repeats = this->has_repeats(std::span(several).subspan(beside));
+            // Not all planes of the run need hold the structure.
+            const std::span<const Contours> of_run = std::span(several).subspan(beside);
+            reading.is_beside &= are_beside(of_run);
+            const bool has_repeats = this->has_repeats(of_run);
             if (after.first < after.second) add({after.first, after.first + 1}, structure, several);
             std::vector<Contours> one;
             add(before, structure, one);
             add(run, structure, one);
             add(after, structure, one);
             reading.is_repeated = true;
-            reading.is_beside &= are_beside(std::span(several).subspan(beside, run.second - run.first));
             reading.has_repeats |= has_repeats;
             reading.is_compared |= one.size() > 1;
             reading.as_one += has_repeats ? 1 : mean_difference(one);

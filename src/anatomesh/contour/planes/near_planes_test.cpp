@@ -216,6 +216,31 @@ TEST(NearPlanes, of_structures_each_on_a_stack_of_its_own_stay_apart) {
     }
 }
 
+// Files round places of slices to a hundredth; a lesion lies on few of an organ's slices, and beyond them.
+TEST(NearPlanes, of_which_some_lack_a_structure_are_read) {
+    constexpr double rounded = 0.06;
+    for (const double spacing : {0.04, 0.1, 0.5, 1.0}) {
+        for (std::size_t organ = 1; organ <= 6; ++organ) {
+            for (std::size_t lesion = 1; lesion <= 3; ++lesion) {
+                for (const double aside : {0.0, 12.0}) {
+                    Drawn drawn;
+                    for (std::size_t k = 0; k < organ; ++k)
+                        drawn.circle(spacing * static_cast<double>(k), 10, k, {}, 0);
+                    for (std::size_t k = 0; k < lesion; ++k) {
+                        const double z = spacing * static_cast<double>(organ / 2 + k);
+                        drawn.circle(z + 0.5 * rounded, 3, 100 + k, {aside, 0}, 1);
+                        drawn.circle(z - 0.5 * rounded, 3, 100 + k, {-aside - 8, 0}, 1);
+                    }
+                    const PlaneGroups groups = drawn.group();
+                    ASSERT_EQ(groups.slice_of.size(), drawn.contours.size());
+                    for (const std::uint32_t slice : groups.slice_of)
+                        EXPECT_LT(slice, groups.slices.size()) << spacing << " " << organ << " " << lesion;
+                }
+            }
+        }
+    }
+}
+
 TEST(NearPlanes, that_are_declared_stay_as_they_are) {
     std::vector<Plane> declared;
     Drawn drawn;

@@ -261,7 +261,7 @@ class KnotMaker {
           gaps_(gaps_between(slices_, intervals, spacing)),
           spacing_(spacing),
           widest_(options.max_gap_spacings * joined_more),
-          nearest_to_end_(every_slice ? options.max_gap_spacings : hardly_wider) {}
+          nearest_to_end_((every_slice ? options.max_gap_spacings : hardly_wider) * joined_more) {}
 
     StructureKnots make(const std::vector<std::uint32_t>& drawn) {
         const std::vector<std::uint32_t>& covering = slices_.covering;

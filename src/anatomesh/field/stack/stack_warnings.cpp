@@ -43,9 +43,10 @@ enum class ThickAs : std::uint8_t { source, others, nothing, ended_by_slices };
 std::optional<ThickAs> told_as(const FewSlices& few, double made_mm) {
     // A slice that comes out thinner by more than this share is told. [1; 0 to 1; C 2 % of a volume]
     constexpr double thinner = 0.02;
-    if (few.slices.size() > 1)
-        return few.by == ThicknessBy::nothing ? std::optional(ThickAs::nothing) : std::nullopt;
-    if (few.mm > 0 && made_mm < (1 - thinner) * few.mm) return ThickAs::ended_by_slices;
+    const bool is_known = few.by == ThicknessBy::option || few.by == ThicknessBy::source;
+    if (few.slices.size() > 1 && is_known) return std::nullopt;
+    if (few.slices.size() == 1 && few.mm > 0 && made_mm < (1 - thinner) * few.mm)
+        return ThickAs::ended_by_slices;
     switch (few.by) {
         case ThicknessBy::option:
             return std::nullopt;

@@ -19,8 +19,8 @@ void warn_about_knots(const ContourSet& set, std::uint32_t structure, const Stru
                       RunContext& context);
 
 // W-FLD-021, once for each way in which the thickness is known: structures that are drawn on one slice alone, so that
-// nothing drawn shows how they go on above and below; those on two of which nothing says how thick they are; and those
-// that slices beside them end sooner than the user says. `made_mm`: of each, how thick a slice came out.
+// nothing drawn shows how they go on above and below; those on two where neither the user nor the source says how thick
+// slices are; and those that slices beside them end sooner than the user says. `made_mm`: of each, how thick a slice came out.
 void warn_about_few_slices(const ContourSet& set, const std::vector<FewSlices>& few,
                            const std::vector<double>& made_mm, RunContext& context);
 

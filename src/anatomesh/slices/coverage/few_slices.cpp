@@ -9,6 +9,10 @@ namespace anatomesh {
 
 namespace {
 
+// The drawing leaves out images where it is wider apart than they are thick by more than this factor.
+// [thicknesses; 1 to 2; D half way between every image and every second one]
+constexpr double leaves_out_images = 1.5;
+
 // A structure that is drawn on more slices: the intervals that draw it, and its spacing.
 struct OnMoreSlices {
     const std::vector<std::uint32_t>* drawn = nullptr;
@@ -76,7 +80,7 @@ std::vector<FewSlices> structures_on_few_slices(const ContourSet& set,
         if (asked_mm > 0) {
             which.mm = asked_mm;
             which.by = ThicknessBy::option;
-        } else if (stated > 0 && spacing.same_slices <= stated) {
+        } else if (stated > 0 && spacing.same_slices <= leaves_out_images * stated) {
             which.mm = stated;
             which.by = ThicknessBy::source;
         } else if (spacing.any > 0) {

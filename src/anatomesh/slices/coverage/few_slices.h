@@ -37,8 +37,8 @@ struct FewSlices {
 // Returns the structures of a stack that are drawn on most_few_slices at most, in order, with the thickness of
 // their slices:
 // - `asked_mm` where it is above 0.
-// - Else what the source states. Where structures on more slices that are drawn on those of this one, too, lie further
-//   apart, it is the least of their spacings, because the drawing then leaves out images between.
+// - Else what the source states. Where structures on more slices that are drawn on those of this one, too, lie more than
+//   1.5 times as far apart, it is the least of their spacings, because the drawing then leaves out images between.
 // - Else the least spacing of such structures, and of any others where there is none.
 // - No more than the distance of its own two slices, unless the user says so.
 // Nothing for sets whose slices say all (says_all()), because there the slices beside a structure end it.
