@@ -4,10 +4,12 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 #include "anatomesh/reconcile/reconcile.h"
+#include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
 namespace anatomesh::crossed_planes_test {
 namespace {
@@ -74,6 +76,43 @@ TEST(CrossedPlanes, a_plane_across_that_leaves_a_structure_out_does_not_cut_it) 
             expect_structure(model.value(), 0, {2, 0, of_ball * (18 * 18 * 18 - 9 * 9 * 9), 0.02});
             expect_structure(model.value(), 1, {1, 0, of_ball * 9 * 9 * 9, 0.02});
         }
+    }
+}
+
+// A ball on three stacks by several hands, in other units.
+TEST(CrossedPlanes, C32_models_of_any_size_are_alike) {
+    std::mt19937 random(8);
+    const ContourSet drawn = crossing_fixtures::drawn_ball(14, crossing_fixtures::three_stacks(12, 4, 0.05),
+                                                           {0.5, 0.4, 40}, random);
+    const auto model_at = [&](double factor) {
+        ContourSet set = drawn;
+        for (Vec3& p : set.points) p = factor * p;
+        for (Slice& slice : set.slices) slice.plane.origin = factor * slice.plane.origin;
+        RunContext context;
+        ReconcileOptions options;
+        options.max_disagreement_mm *= factor;
+        ReconcileResult made = reconcile_contours(set, options, context).value();
+        auto model = build(made.kept);
+        EXPECT_TRUE(model.ok()) << factor << to_line(model.error());
+        expect_certified(model.value(), made.kept);
+        return std::move(model).value();
+    };
+    const Model usual = model_at(1);
+    for (const double factor : {2.0, 16.0}) {
+        std::vector<Vec3> points = usual.mesh.points;
+        for (Vec3& p : points) p = factor * p;
+        const Model other = model_at(factor);
+        EXPECT_EQ(other.mesh.cells, usual.mesh.cells) << factor;
+        EXPECT_EQ(other.mesh.points, points) << factor;
+    }
+    for (const double factor : {1.0 / 40, 1.0 / 32, 25.0}) {
+        const Model other = model_at(factor);
+        EXPECT_EQ(other.report.structures[0].surface.components, 1u) << factor;
+        EXPECT_EQ(other.report.structures[0].surface.genus, 0) << factor;
+        EXPECT_NEAR(static_cast<double>(other.mesh.cells.size()),
+                    static_cast<double>(usual.mesh.cells.size()),
+                    0.15 * static_cast<double>(usual.mesh.cells.size()))
+            << factor;
     }
 }
 

@@ -20,6 +20,7 @@
 #include "anatomesh/measure/crossing_report.h"
 #include "anatomesh/outliers/warn_about_outlying_slices.h"
 #include "anatomesh/overlaps/outlines_between.h"
+#include "anatomesh/reconcile/working_unit.h"
 
 namespace anatomesh {
 
@@ -364,10 +365,7 @@ TraceOptions trace_options(const PrepareOptions& options) {
 }
 
 ReconcileOptions reconcile_options(const PrepareOptions& options) {
-    ReconcileOptions reconciling = options.reconcile;
-    reconciling.same_line_mm = options.walls.same_line_mm;
-    reconciling.close_slivers_mm = options.walls.close_slivers_mm;
-    return reconciling;
+    return with_widths(options.reconcile, options.walls);
 }
 
 Result<PreparedContours> prepare_contours(const RawContours& raw, const PrepareOptions& options,

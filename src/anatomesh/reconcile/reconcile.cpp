@@ -10,6 +10,7 @@
 #include "anatomesh/reconcile/reconcile_finish.h"
 #include "anatomesh/reconcile/reconcile_move.h"
 #include "anatomesh/reconcile/reconcile_prepare.h"
+#include "anatomesh/reconcile/working_unit.h"
 #include "anatomesh/slices/arrangement/slice_arrangement.h"
 #include "anatomesh/slices/arrangement/slices_beside_paths.h"
 
@@ -60,7 +61,7 @@ void put_in_order(ContourSet& set) {
 
 Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOptions& options,
                                            RunContext& context) {
-    assert(options.max_disagreement_mm > 0 && options.smoothing_mm > 0 && options.margin_mm >= 0);
+    assert(options.max_disagreement_mm > 0 && options.smoothing > 0 && options.margin_mm >= 0);
     // Slices along paths say nothing of what their planes cross elsewhere, so none contradicts another one.
     const SliceArrangement arrangement = arrangement_of(set);
     if (arrangement.is_along_paths()) {
@@ -70,7 +71,9 @@ Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOption
     }
     // A refusal names slices that contradict each other; told before it is which one keeps all from being along paths.
     warn_about_slices_beside_paths(set, arrangement, context);
-    auto [scope, state] = start_of(std::move(set), options, context);
+    const double unit_mm = working_unit_mm(set);
+    auto [scope, state] =
+        start_of(in_units(std::move(set), unit_mm), in_units(options, unit_mm), unit_mm, context);
     const bool do_cross = !state.pairs.empty();
     for (std::size_t n = 0; n < steps.size() && do_cross; ++n) {
         if (context.cancelled()) return cancelled_error();
@@ -80,9 +83,12 @@ Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOption
         ANATOMESH_TRY(state, steps[n].run(std::move(state), scope, context));
     }
     if (context.cancelled()) return cancelled_error();
-    warn_of_reconciling(state.set, options, state.stats, scope.undrawn, scope.isolated, context);
-    put_in_order(state.set);
-    return ReconcileResult{std::move(state.set), std::move(state.stats)};
+    ReconcileResult result{in_mm(std::move(state.set), unit_mm), in_mm(std::move(state.stats), unit_mm)};
+    for (UndrawnStructure& undrawn : scope.undrawn) undrawn.shown_mm *= unit_mm;
+    for (IsolatedSlice& isolated : scope.isolated) isolated.gap_mm *= unit_mm;
+    warn_of_reconciling(result.kept, options, result.stats, scope.undrawn, scope.isolated, unit_mm, context);
+    put_in_order(result.kept);
+    return result;
 }
 
 }  // namespace anatomesh

@@ -131,12 +131,18 @@ Result<ReconcileState> unite_walls(ReconcileState state, const ReconcileScope& s
     if (state.stats.max_movement_mm == 0 || state.set.structures.size() < 2) return state;
     state = conflated(
         std::move(state), &ReconcileStats::slivers,
-        [&](ContourSet& set) { return close_slivers(set, {.width_mm = scope.options.close_slivers_mm}); },
+        [&](ContourSet& set) {
+            CloseSliversOptions options;
+            options.width_mm = scope.options.close_slivers_mm.value_or(options.width_mm);
+            return close_slivers(set, options);
+        },
         scope, context);
     return conflated(
         std::move(state), &ReconcileStats::shared_lines,
         [&](ContourSet& set) -> ConflationStats {
-            return merge_coincident(set, {.width_mm = scope.options.same_line_mm});
+            MergeCoincidentOptions options;
+            options.width_mm = scope.options.same_line_mm.value_or(options.width_mm);
+            return merge_coincident(set, options);
         },
         scope, context);
 }

@@ -126,7 +126,8 @@ Result<ReconcileState> take_arcs_over_lines(ReconcileState state, const Reconcil
 
 Result<ReconcileState> refuse_what_moved_too_far(ReconcileState state, const ReconcileScope& scope,
                                                  RunContext&) {
-    ANATOMESH_CHECK_STATUS(check_what_is_left(state.set, state.original, state.comparisons, scope.options));
+    ANATOMESH_CHECK_STATUS(
+        check_what_is_left(state.set, state.original, state.comparisons, scope.options, scope.unit_mm));
     return state;
 }
 

@@ -33,14 +33,22 @@ double shift_slices(ContourSet& set, const std::vector<Vec2>& shifts) {
     return longest;
 }
 
+// What a file rounds, in working units, is so much of what it rounds in mm: as many mm, however large the contours are.
+// Of small contours that would be a large share, so that it is as many units there.
+double rounding_share(const ReconcileScope& scope) {
+    return 1 / std::max(1.0, scope.unit_mm);
+}
+
 void add(const std::vector<Vec2>& shifts, std::vector<Vec2>& total) {
     for (std::size_t s = 0; s < shifts.size(); ++s) total[s] = total[s] + shifts[s];
 }
 
 }  // namespace
 
-ReconcileStart start_of(ContourSet set, const ReconcileOptions& options, RunContext& context) {
+ReconcileStart start_of(ContourSet set, const ReconcileOptions& options, double unit_mm,
+                        RunContext& context) {
     ReconcileScope scope;
+    scope.unit_mm = unit_mm;
     const std::vector<PlanePatch> patches = plane_patches(set);
     scope.options = options;
     scope.clearance_mm = std::max(least_clearance_mm, clearance_share * mean_vertex_spacing(set));
@@ -81,8 +89,8 @@ Result<ReconcileState> align_rigidly(ReconcileState state, const ReconcileScope&
         if (length(total[s]) > bound) {
             return Error{ErrorKind::geometry, "E-RCN-002",
                          "the slice agrees with the slices that it crosses only after a shift of more than " +
-                             brief(bound) + " mm",
-                         place_of_slice(state.set, s, length(total[s])),
+                             brief(scope.unit_mm * bound) + " mm",
+                         place_of_slice(state.set, s, scope.unit_mm * length(total[s])),
                          "leave the slice out with --without, or allow more with --max-disagreement"};
         }
     }
@@ -90,17 +98,18 @@ Result<ReconcileState> align_rigidly(ReconcileState state, const ReconcileScope&
     return state;
 }
 
-Result<ReconcileState> lead_along_lines(ReconcileState state, const ReconcileScope&, RunContext&) {
+Result<ReconcileState> lead_along_lines(ReconcileState state, const ReconcileScope& scope, RunContext&) {
     const ContourSet before = state.set;
-    const CommonLineOptions options;
+    CommonLineOptions options;
+    options.width_mm *= rounding_share(scope);
     const CommonLineStats led = lead_along_common_lines(state.set, state.pairs, options);
     if (led.led_through + led.moved > 0)
         state.original = carry_over(before, state.original, state.set, options.width_mm);
     return state;
 }
 
-Result<ReconcileState> snap_planes(ReconcileState state, const ReconcileScope&, RunContext&) {
-    snap_planes_to_axis(state.set);
+Result<ReconcileState> snap_planes(ReconcileState state, const ReconcileScope& scope, RunContext&) {
+    snap_planes_to_axis(state.set, rounding_share(scope));
     return state;
 }
 
@@ -113,7 +122,7 @@ Result<ReconcileState> measure_disagreement(ReconcileState state, const Reconcil
 }
 
 Result<ReconcileState> refuse_too_far_apart(ReconcileState state, const ReconcileScope& scope, RunContext&) {
-    ANATOMESH_CHECK_STATUS(check_bound(state.set, state.comparisons, scope.options));
+    ANATOMESH_CHECK_STATUS(check_bound(state.set, state.comparisons, scope.options, scope.unit_mm));
     return state;
 }
 

@@ -12,8 +12,8 @@ struct ReconcileStart {
 };
 
 // Measures how far slices reach and which of them cross, and finds of what slices say nothing, as they were
-// drawn. The state has no comparisons yet. Complexity: that of compare_planes.
-ReconcileStart start_of(ContourSet set, const ReconcileOptions& options, RunContext& context);
+// drawn. The state has no comparisons yet. `set` and `options`: in working units of so many mm. Complexity: that of compare_planes.
+ReconcileStart start_of(ContourSet set, const ReconcileOptions& options, double unit_mm, RunContext& context);
 
 // Shifts every slice rigidly in its plane (align_slices.h) until no shift grows by 0.001 mm, 12 times at
 // most, and takes off what all shifts have in common. A shift counts as drawn: bounds are measured from where

@@ -91,7 +91,7 @@ Status move_in_rounds(ReconcileState& state, const ReconcileScope& scope, ArcsOv
         if (arcs == nullptr || round > 0) best = std::min(best, task.worst_mm);
         if (idle == most_idle_rounds) return Nothing{};
         const std::vector<Vec2> moves =
-            solve_movement(task.nodes, task.edges, task.usual, scope.options.smoothing_mm);
+            solve_movement(task.nodes, task.edges, task.usual, scope.options.smoothing);
         apply_movement(state.set, graph, state.original, moves, scope.options.max_disagreement_mm,
                        context.threads);
     }

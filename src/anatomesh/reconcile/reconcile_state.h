@@ -18,6 +18,7 @@ namespace anatomesh {
 // What is found before anything moves, and stays as it is.
 struct ReconcileScope {
     ReconcileOptions options;
+    double unit_mm = 1;                     // what all lengths here and in the state are multiples of
     double margin_mm = 0;                   // how far beyond its own contours a slice says "outside"
     double clearance_mm = 0;                // of contours that are drawn back, from the other slice's plane
     std::vector<UndrawnStructure> undrawn;  // of these a slice says nothing, however the others come to lie

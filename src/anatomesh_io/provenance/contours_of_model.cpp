@@ -21,6 +21,7 @@
 #include "anatomesh/overlaps/outlines_between.h"
 #include "anatomesh/overlaps/priority.h"
 #include "anatomesh/reconcile/reconcile.h"
+#include "anatomesh/reconcile/working_unit.h"
 #include "anatomesh_io/provenance/field_of_model.h"
 #include "anatomesh_io/provenance/model_description.h"
 #include "anatomesh_io/provenance/routed_contour_notes.h"
@@ -70,13 +71,15 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
         const std::optional<double> bound = number_of(description, "max_disagreement_mm");
         if (bound && *bound >= 0.001 && *bound <= 1000) options.max_disagreement_mm = *bound;
         options.align = says("align", "yes");
+        WallOptions walls;
         const auto take = [&](const char* name, double most, double& width) {
             const std::optional<double> told = number_of(description, name);
             if (told && *told >= 0 && *told <= most) width = *told;
         };
-        take("same_line_mm", 0.1, options.same_line_mm);
-        take("close_slivers_mm", 10, options.close_slivers_mm);
-        Result<ReconcileResult> reconciled = reconcile_contours(done.kept, options, apart);
+        take("same_line_mm", 0.1, walls.same_line_mm);
+        take("close_slivers_mm", 10, walls.close_slivers_mm);
+        Result<ReconcileResult> reconciled =
+            reconcile_contours(done.kept, with_widths(options, walls), apart);
         if (!reconciled.ok()) return std::nullopt;
         done.movement = contour_movement(done.kept, reconciled.value().kept);
         done.kept = std::move(reconciled).value().kept;

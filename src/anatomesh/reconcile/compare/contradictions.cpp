@@ -29,7 +29,7 @@ constexpr double beside_line = 2;
 // Within a margin it says there only that nothing is there, and an image that ends there is drawn along
 // its edge. `at`: where the points were drawn.
 std::string beyond_its_contours(const ContourSet& set, const std::vector<Vec3>& at, std::uint32_t a,
-                                std::uint32_t b) {
+                                std::uint32_t b, double unit_mm) {
     for (const auto& [slice, other] : {std::pair{a, b}, std::pair{b, a}}) {
         double low = std::numeric_limits<double>::infinity(), high = -low;
         for (const Contour& contour : set.contours_of(set.slices[slice])) {
@@ -40,7 +40,8 @@ std::string beyond_its_contours(const ContourSet& set, const std::vector<Vec3>& 
             }
         }
         if (low > 0 || high < 0)
-            return "the contours of slice " + set.slices[slice].name + " end " + brief(std::max(low, -high)) +
+            return "the contours of slice " + set.slices[slice].name + " end " +
+                   brief(unit_mm * std::max(low, -high)) +
                    " mm before that line; if its image ends there too, leave the slice out with --without "
                    "\"" +
                    set.slices[slice].name + "\"; otherwise ";
@@ -55,21 +56,23 @@ std::string ways_out(const ReconcileOptions& options, const std::string& culprit
            "allow more with --max-disagreement, or keep contours as drawn with --reconcile 0";
 }
 
-Place place_of(const ContourSet& set, const WorstPlace& worst) {
-    Place place = place_of_slice(set, worst.a, worst.distance_mm);
+Place place_of(const ContourSet& set, const WorstPlace& worst, double unit_mm) {
+    Place place = place_of_slice(set, worst.a, unit_mm * worst.distance_mm);
     const Structure& structure = set.structures[worst.structure];
     place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
     return place;
 }
 
 Error contradiction(const ContourSet& set, const WorstPlace& worst, const ReconcileOptions& options,
-                    const std::string& where, const std::string& which) {
+                    double unit_mm, const std::string& where, const std::string& which) {
     return Error{ErrorKind::geometry, "E-RCN-001",
-                 names_of(set, worst.a, worst.b) + " contradict each other by " + brief(worst.distance_mm) +
-                     " mm" + where + brief(options.max_disagreement_mm) + " mm; " +
-                     std::to_string(worst.places) + which + set.slices[worst.culprit].name,
-                 place_of(set, worst),
-                 beyond_its_contours(set, set.points, worst.a, worst.b) +
+                 names_of(set, worst.a, worst.b) + " contradict each other by " +
+                     brief(unit_mm * worst.distance_mm) + " mm" + where +
+                     brief(unit_mm * options.max_disagreement_mm) +
+                     " mm, whatever the size of the contours; " + std::to_string(worst.places) + which +
+                     set.slices[worst.culprit].name,
+                 place_of(set, worst, unit_mm),
+                 beyond_its_contours(set, set.points, worst.a, worst.b, unit_mm) +
                      ways_out(options, set.slices[worst.culprit].name)};
 }
 
@@ -93,20 +96,21 @@ std::vector<MovedFar> moved_by(const ContourSet& set, const OriginalPositions& d
 }  // namespace
 
 Status check_bound(const ContourSet& set, std::span<const LineComparison> comparisons,
-                   const ReconcileOptions& options) {
+                   const ReconcileOptions& options, double unit_mm) {
     const double bound = options.max_disagreement_mm;
     if (const std::optional<WorstPlace> worst = worst_pair(set, comparisons, bound))
-        return contradiction(set, *worst, options,
+        return contradiction(set, *worst, options, unit_mm,
                              " in the median where their planes cross, and the limit is ",
                              " such pairs of slices exist, most with slice ");
     if (const std::optional<WorstPlace> worst = worst_place(set, comparisons, bound))
-        return contradiction(set, *worst, options, " where their planes cross, and the limit is ",
+        return contradiction(set, *worst, options, unit_mm, " where their planes cross, and the limit is ",
                              " such places exist, most in slice ");
     return Nothing{};
 }
 
 Status check_what_is_left(const ContourSet& set, const OriginalPositions& drawn,
-                          std::span<const LineComparison> comparisons, const ReconcileOptions& options) {
+                          std::span<const LineComparison> comparisons, const ReconcileOptions& options,
+                          double unit_mm) {
     const double bound = options.max_disagreement_mm;
     const std::vector<MovedFar> moved = moved_by(set, drawn, (1 - at_bound_share) * bound);
     const auto has_moved = [&](std::uint32_t slice, std::uint32_t structure, std::uint32_t other) {
@@ -139,12 +143,13 @@ Status check_what_is_left(const ContourSet& set, const OriginalPositions& drawn,
     const auto most = std::max_element(pairs_of.begin(), pairs_of.end()) - pairs_of.begin();
     worst.culprit = static_cast<std::uint32_t>(most);
     return Error{ErrorKind::geometry, "E-RCN-003",
-                 names_of(set, worst.a, worst.b) + " still differ along " + brief(worst.distance_mm) +
+                 names_of(set, worst.a, worst.b) + " still differ along " +
+                     brief(unit_mm * worst.distance_mm) +
                      " mm of the line where their planes cross, after contours moved by the allowed " +
-                     brief(bound) + " mm; there are " + std::to_string(worst.places) +
+                     brief(unit_mm * bound) + " mm; there are " + std::to_string(worst.places) +
                      " such pairs, most with slice " + set.slices[worst.culprit].name,
-                 place_of(set, worst),
-                 beyond_its_contours(set, drawn.at, worst.a, worst.b) +
+                 place_of(set, worst, unit_mm),
+                 beyond_its_contours(set, drawn.at, worst.a, worst.b, unit_mm) +
                      ways_out(options, set.slices[worst.culprit].name)};
 }
 

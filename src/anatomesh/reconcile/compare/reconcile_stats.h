@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "anatomesh/contour/walls/merge_coincident.h"
@@ -22,16 +23,17 @@ struct ReconcileOptions {
     // Slices that are further apart than this where their planes cross are refused, by the median of a
     // pair, or where a contour would have to move further. So are larger shifts. mm, (0, 1000]
     double max_disagreement_mm = 10;
-    // A movement fades over this length along a contour. mm, [0.1, 1000]
-    double smoothing_mm = 10;
+    // A movement fades over this length along a contour. working units (working_unit.h), [0.1, 1000]
+    double smoothing = 10;
     // So far beyond its own contours a slice still says "outside". mm, [0, 1000]; 0: the spacing of the
     // planes
     double margin_mm = 0;
     // Contours of different structures that come to lie nearer to each other than this share their vertices
-    // (merge_coincident.h). mm, [0, 0.1]
-    double same_line_mm = MergeCoincidentOptions{}.width_mm;
-    // A sliver between two such contours that is narrower than this is closed (slivers.h). mm, [0, 10]
-    double close_slivers_mm = CloseSliversOptions{}.width_mm;
+    // (merge_coincident.h). mm, [0, 0.1]; without a value MergeCoincidentOptions::width_mm in working units
+    std::optional<double> same_line_mm = {};
+    // A sliver between two such contours that is narrower than this is closed (slivers.h). mm, [0, 10]; without a
+    // value CloseSliversOptions::width_mm in working units
+    std::optional<double> close_slivers_mm = {};
 };
 
 // Two slices on their common line, all structures together: distances along the line.

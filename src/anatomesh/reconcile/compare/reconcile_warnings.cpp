@@ -13,15 +13,15 @@ namespace {
 // So many pairs of slices are named one by one, the worst first; of the others the number is told.
 // [warnings; >= 1; B]
 constexpr std::size_t most_named_pairs = 10;
-// Pairs of slices are named that differ by more than this. [mm; >= 0; C W-RCN-003]
-constexpr double named_mm = 0.5;
+// Pairs of slices are named that differ by more than this. [working units; >= 0; C W-RCN-003]
+constexpr double named_gap = 0.5;
 // They also differ by more than this share of the bound. [1; 0 to 1; C W-RCN-003]
 constexpr double named_share = 0.05;
-// A smaller change of a contour that moving did not bring to agree is not named. [mm; >= 0; M 2026-11, set
-// not recorded]
-constexpr double least_named_change_mm = 0.1;
-// A slice is an outlier if its median disagreement is above this. [mm; > 0; M 2026-11, set not recorded]
-constexpr double outlier_mm = 2;
+// A smaller change of a contour that moving did not bring to agree is not named.
+// [working units; >= 0; M 2026-11, set not recorded]
+constexpr double least_named_change = 0.1;
+// A slice is an outlier if its median disagreement is above this. [working units; > 0; M 2026-11, set not recorded]
+constexpr double outlier_gap = 2;
 // It is also above this multiple of the median of all slices. [1; > 1; M 2026-11, set not recorded]
 constexpr double outlier_factor = 4;
 
@@ -29,8 +29,9 @@ class ReconcileWarnings {
   public:
     ReconcileWarnings(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
                       std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
-                      RunContext& context)
+                      double unit_mm, RunContext& context)
         : set_(set),
+          unit_mm_(unit_mm),
           options_(options),
           stats_(stats),
           undrawn_(undrawn),
@@ -174,7 +175,7 @@ class ReconcileWarnings {
     void warn_of_resolved() {
         std::vector<ResolvedInterval> named;
         for (const ResolvedInterval& piece : stats_.resolved) {
-            if (piece.parts || piece.farthest_mm >= least_named_change_mm) named.push_back(piece);
+            if (piece.parts || piece.farthest_mm >= unit_mm_ * least_named_change) named.push_back(piece);
         }
         std::stable_sort(named.begin(), named.end(),
                          [](const ResolvedInterval& p, const ResolvedInterval& q) {
@@ -221,7 +222,7 @@ class ReconcileWarnings {
         double sum = 0, others = 0;
         for (std::uint32_t s = 0; s < stats_.movements.size(); ++s) {
             const double shift = length(stats_.movements[s].shift);
-            if (shift < 10 * align_precision_mm) continue;
+            if (shift < unit_mm_ * 10 * align_precision_mm) continue;
             ++shifted;
             sum += shift;
             if (shift > length(stats_.movements[worst].shift)) worst = s;
@@ -254,14 +255,14 @@ class ReconcileWarnings {
             if (figures.size() < 3) continue;
             const auto middle = figures.begin() + static_cast<std::ptrdiff_t>(figures.size() / 2);
             std::nth_element(figures.begin(), middle, figures.end());
-            if (*middle <= std::max(outlier_mm, outlier_factor * stats_.median_mm)) continue;
+            if (*middle <= std::max(unit_mm_ * outlier_gap, outlier_factor * stats_.median_mm)) continue;
             context_.warn({"W-RCN-005", "the slice disagrees with most of the slices that it crosses",
                            place_of_slice(set_, s, *middle), "kept; check the position of the slice"});
         }
     }
 
     void warn_of_disagreement() {
-        if (stats_.max_mm <= joinable_mm && stats_.unmatched == 0) return;
+        if (stats_.max_mm <= unit_mm_ * joinable_mm && stats_.unmatched == 0) return;
         std::string done = "kept as drawn";
         if (options_.reconcile) {
             done = "contours moved in their planes by " + brief(stats_.mean_movement_mm) +
@@ -282,7 +283,8 @@ class ReconcileWarnings {
         const auto figure = [](const PairDisagreement& pair) {
             return std::max(pair.max_mm, pair.difference_mm);
         };
-        const auto named = largest(figure, std::max(named_mm, named_share * options_.max_disagreement_mm));
+        const auto named =
+            largest(figure, std::max(unit_mm_ * named_gap, named_share * options_.max_disagreement_mm));
         for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
             const PairDisagreement& pair = *named[n];
             context_.warn({"W-RCN-003",
@@ -298,7 +300,7 @@ class ReconcileWarnings {
     void warn_of_rest() {
         if (!options_.reconcile) return;
         const auto figure = [](const PairDisagreement& pair) { return pair.difference_after_mm; };
-        const auto left = largest(figure, line_in_plane_mm);
+        const auto left = largest(figure, unit_mm_ * line_in_plane_mm);
         if (left.empty()) return;
         std::string worst;
         for (std::size_t n = 0; n < std::min<std::size_t>(left.size(), 3); ++n) {
@@ -314,6 +316,7 @@ class ReconcileWarnings {
     }
 
     const ContourSet& set_;
+    double unit_mm_;
     const ReconcileOptions& options_;
     const ReconcileStats& stats_;
     std::span<const UndrawnStructure> undrawn_;
@@ -325,8 +328,8 @@ class ReconcileWarnings {
 
 void warn_of_reconciling(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
                          std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
-                         RunContext& context) {
-    ReconcileWarnings(set, options, stats, undrawn, isolated, context).warn();
+                         double unit_mm, RunContext& context) {
+    ReconcileWarnings(set, options, stats, undrawn, isolated, unit_mm, context).warn();
 }
 
 Place place_of_slice(const ContourSet& set, std::uint32_t slice, double value_mm) {

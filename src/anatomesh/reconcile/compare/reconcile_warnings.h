@@ -20,10 +20,11 @@ inline constexpr double joinable_mm = 0.01;
 inline constexpr double align_precision_mm = 1e-3;
 
 // Adds warnings W-RCN-001..013 from the statistics of reconcile_contours() for `set` as kept. There are
-// none where no slices cross. O(pairs log pairs).
+// none where no slices cross. All lengths are in mm; those that are told only beyond a number of working units
+// (working_unit.h) go by `unit_mm`. O(pairs log pairs).
 void warn_of_reconciling(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
                          std::span<const UndrawnStructure> undrawn, std::span<const IsolatedSlice> isolated,
-                         RunContext& context);
+                         double unit_mm, RunContext& context);
 
 Place place_of_slice(const ContourSet& set, std::uint32_t slice, double value_mm);
 std::string names_of(const ContourSet& set, std::uint32_t a, std::uint32_t b);

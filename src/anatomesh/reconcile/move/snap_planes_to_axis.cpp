@@ -135,17 +135,17 @@ Plane through(const Plane& plane, const AxisSegment& axis) {
     return make_plane(plane.origin + dot(axis.ends[0] - plane.origin, normal) * normal, normal);
 }
 
-bool keeps_points(const ContourSet& set, const Slice& slice, const Plane& plane) {
+bool keeps_points(const ContourSet& set, const Slice& slice, const Plane& plane, double within) {
     for (const Contour& contour : set.contours_of(slice)) {
         for (const Vec3& p : set.points_of(contour))
-            if (std::abs(plane.signed_distance(p)) > rounded_plane_mm) return false;
+            if (std::abs(plane.signed_distance(p)) > within) return false;
     }
     return true;
 }
 
 // Turns planes to contain the axis that they all but pass. Returns the number of those turned.
-std::uint32_t turn_about(ContourSet& set, const AxisSegment& rough,
-                         const std::vector<std::uint32_t>& slices) {
+std::uint32_t turn_about(ContourSet& set, const AxisSegment& rough, const std::vector<std::uint32_t>& slices,
+                         double within) {
     const AxisSegment axis{{nearest_to_all(set, slices, rough.ends[0], rough.direction()),
                             nearest_to_all(set, slices, rough.ends[1], rough.direction())}};
     std::uint32_t turned = 0;
@@ -155,7 +155,7 @@ std::uint32_t turn_about(ContourSet& set, const AxisSegment& rough,
                                     std::abs(plane.signed_distance(axis.ends[1])));
         if (off <= line_in_plane_mm) continue;
         const Plane truly = through(plane, axis);
-        if (!keeps_points(set, set.slices[s], truly)) continue;
+        if (!keeps_points(set, set.slices[s], truly, within)) continue;
         plane = truly;
         ++turned;
     }
@@ -164,7 +164,7 @@ std::uint32_t turn_about(ContourSet& set, const AxisSegment& rough,
 
 // Turns most planes about the one axis that they pass, then some about each axis that they pass more nearly.
 // A plane is turned about one axis only.
-std::uint32_t turn_about_axes(ContourSet& set) {
+std::uint32_t turn_about_axes(ContourSet& set, double mm) {
     const std::size_t count = set.slices.size();
     std::vector<bool> done(count, false);
     std::uint32_t turned = 0;
@@ -172,27 +172,27 @@ std::uint32_t turn_about_axes(ContourSet& set) {
         const std::optional<AxisSegment> rough = axis_of_most(set, search);
         if (!rough) return false;
         const std::vector<std::uint32_t> slices = planes_through(set, *rough, search);
-        turned += turn_about(set, *rough, slices);
+        turned += turn_about(set, *rough, slices, rounded_plane_mm * mm);
         for (const std::uint32_t s : slices) done[s] = true;
         return true;
     };
     if (count >= least_planes) {
         const auto firsts = std::min<std::uint32_t>(most_firsts, static_cast<std::uint32_t>(count));
-        turn({firsts, std::max(least_planes, count / 2 + 1), rounded_plane_mm, {}});
+        turn({firsts, std::max(least_planes, count / 2 + 1), rounded_plane_mm * mm, {}});
     }
     const auto firsts =
         static_cast<std::uint32_t>(std::min(count, most_tries_of_planes / (count * count + 1)));
     for (int n = 0; n < most_axes; ++n) {
-        if (!turn({firsts, least_planes_of_some, closely_rounded_mm, done})) break;
+        if (!turn({firsts, least_planes_of_some, closely_rounded_mm * mm, done})) break;
     }
     return turned;
 }
 
 }  // namespace
 
-PlaneSnappingStats snap_planes_to_axis(ContourSet& set) {
+PlaneSnappingStats snap_planes_to_axis(ContourSet& set, double mm) {
     PlaneSnappingStats stats;
-    stats.about_axis = turn_about_axes(set);
+    stats.about_axis = turn_about_axes(set, mm);
     for (const Contour& contour : set.contours) {
         const Plane& plane = set.slices[contour.slice].plane;
         for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {

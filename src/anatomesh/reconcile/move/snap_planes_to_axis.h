@@ -27,8 +27,10 @@ struct PlaneSnappingStats {
 // that one, each plane about one line only: a fan among stacks. A plane stays where a point of its slice would come to lie farther than 0.05 mm
 // from it. Points are then projected onto their planes. What is exact stays as it is.
 //
+// `mm`: how long a millimetre is in the unit of the set.
+//
 // Requires: a kept set. Guarantees: the same result for any order of its slices, except for rounding.
 // Complexity: O(points + slices^3), and O(points + slices^2) for more than some hundred slices.
-PlaneSnappingStats snap_planes_to_axis(ContourSet& set);
+PlaneSnappingStats snap_planes_to_axis(ContourSet& set, double mm = 1);
 
 }  // namespace anatomesh
