@@ -124,6 +124,7 @@ HillClimber::QueueResult HillClimber::process_queue(const ClimbProfile& profile,
         const std::uint32_t cell = worst.bad.cell;
         if (!worst.bad.is_current(edit_)) continue;
         ++edit_.stats.tries;
+        ++visits_;
         const Cell vertices = edit_.mesh.cell(cell);
         if (!improve(profile.operations, cell, speculation_.is_valid_for(cell) ? &worst : nullptr)) {
             result.left.push_back(cell);
@@ -152,7 +153,9 @@ std::size_t HillClimber::climb_list(const ClimbProfile& profile, std::vector<std
     std::size_t changes = 0;
     for (std::size_t n = 0; n < std::min(cells.size(), most_visits) && !context_.cancelled(); ++n) {
         if (changed.size() > profile.most_changed) break;
-        if (!is_bad(profile, cells[n]) || !improve_on_condition(profile, cells[n])) continue;
+        if (!is_bad(profile, cells[n])) continue;
+        ++visits_;
+        if (!improve_on_condition(profile, cells[n])) continue;
         ++changes;
         changed.insert(changed.end(), edit_.changed.begin(), edit_.changed.end());
         if (profile.revisit == Revisit::none) continue;

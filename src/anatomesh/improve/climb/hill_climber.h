@@ -46,6 +46,9 @@ class HillClimber {
                            std::vector<std::uint32_t>& changed,
                            std::size_t most_visits = std::numeric_limits<std::size_t>::max());
 
+    // How many bad cells it tried to improve so far, those of changes taken back included: what goes with its time.
+    std::uint64_t visits() const { return visits_; }
+
   private:
     struct QueueResult {
         std::uint64_t gained = 0;         // cells that were made better
@@ -69,6 +72,7 @@ class HillClimber {
     EditContext& edit_;
     const RunContext& context_;
     SpeculativeEvaluation speculation_;
+    std::uint64_t visits_ = 0;
 };
 
 }  // namespace anatomesh

@@ -40,7 +40,8 @@ constexpr double dense_deviation = 0.03;
 // Of the cells inside, such a share may come above the bound for subsegments' sake at the first runs, and
 // cells of no worse shape (cavity.h) are made; after more that were ill-shaped none.
 // [1; 0 to 1; M 2026-11 fetal brain, random crossing stacks and sets about an axis]
-constexpr std::array<RecoveryEffort, 3> recovery_by_failures{{{0.003, 0.01}, {0.001, 0.2}, {0.001, 0.4}}};
+constexpr std::array<RecoveryEffort, runs_without_recovery> recovery_by_failures{
+    {{0.003, 0.01}, {0.001, 0.2}, {0.001, 0.4}}};
 // Where planes cross, recovery makes no cells of a worse shape, which are not single there.
 // [1; 0 to 1; M 2026-11 69 sets about an axis]
 constexpr double least_shape_across = 0.1;

@@ -50,6 +50,9 @@ struct RecoveryEffort {
     std::size_t few_missing = 0;
 };
 
+// After so many runs that were ill-shaped, segments are not recovered. [runs; > 0; D one for each row of effort.cpp]
+inline constexpr std::size_t runs_without_recovery = 3;
+
 struct ImprovementEffort {
     SectionRepair sections = SectionRepair::all;
     // More of the subsegments than this share are not brought onto the surface. 0 to 1
