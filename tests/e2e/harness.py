@@ -1,6 +1,6 @@
 """What every end-to-end test shares: running the real program, a folder of its own, the data, and the ending.
 
-Environment: ANATOMESH_PROGRAM, the program; ANATOMESH_SOURCE, the root of the repository; ANATOMESH_DATA, a folder
+Environment: ANATOMESH_PROGRAM, the program; ANATOMESH_DAMAGING, the one that damages its meshes; ANATOMESH_SOURCE, the root of the repository; ANATOMESH_DATA, a folder
 of real data (absent: tests that need it are skipped).
 """
 import json
@@ -14,6 +14,8 @@ import unittest
 
 SOURCE = pathlib.Path(os.environ.get("ANATOMESH_SOURCE", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.get("ANATOMESH_PROGRAM", str(SOURCE / "build/release/anatomesh"))
+# The same, but it damages the mesh before it checks it (tests/damage).
+DAMAGING = os.environ.get("ANATOMESH_DAMAGING", str(SOURCE / "build/release/tests/anatomesh_damaging"))
 CRASHES = (134, 139, 136, 132, 135)
 
 
@@ -86,7 +88,7 @@ class JudgedTestCase(TestCase):
         return figures
 
 
-def run_program(*words, cwd=None, timeout=600, env=None, **options):
+def run_program(*words, cwd=None, timeout=600, env=None, program=PROGRAM, **options):
     environment = dict(os.environ)
     for name, value in (env or {}).items():
         if value is None:
@@ -94,7 +96,7 @@ def run_program(*words, cwd=None, timeout=600, env=None, **options):
         else:
             environment[name] = value
     options.setdefault("stdin", subprocess.DEVNULL)
-    done = subprocess.run([PROGRAM, *map(str, words)], cwd=cwd, timeout=timeout, env=environment,
+    done = subprocess.run([program, *map(str, words)], cwd=cwd, timeout=timeout, env=environment,
                           stdout=options.pop("stdout", subprocess.PIPE), stderr=options.pop("stderr", subprocess.PIPE),
                           **options)
     return Result(done.returncode, (done.stdout or b"").decode("utf-8", "replace"),

@@ -305,5 +305,71 @@ class SoundModels(harness.TestCase):
         self.assertIn("W-PIP-004", told)
 
 
+class DamagedRuns(harness.TestCase):
+    """The program with the mesh of every run damaged between its last stage and the certificate (tests/damage)."""
+
+    # By kind of damage, the clause that the error names.
+    BROKEN = {"turned_cell": 3, "repeated_cell": 3, "nested_cell": 3, "flat_cell": 3, "parted_corner": 3, "cell_in_other_region": 3,
+              "inner_vertex_through_facet": 3, "surface_vertex_through_model": 3, "point_not_finite": 3, "index_beyond": 3,
+              "missing_cell_at_vertex": 3, "missing_cell_at_edge": 3, "hollow": 3, "contour_vertices_exchanged": 3, "contour_vertex_off": 1}
+    OUTPUTS = ("m.vtu", "m.report.json", "m.stl", "m.html", "m.json")
+
+    def setUp(self):
+        super().setUp()
+        self.write("contours.json", DamagedModels.contours())
+
+    def model(self, damage, *words, expect, program=harness.DAMAGING):
+        vtu, report, stl, html, contours = self.OUTPUTS
+        return self.run_program("model", "contours.json", "-o", vtu, "--report", report, "--surface", stl, "--html", html, "--contours",
+                                contours, *words, expect=expect, program=program, env={"ANATOMESH_DAMAGE": damage})
+
+    def files(self):
+        return {path.name: path.read_bytes() for path in self.folder.iterdir()}
+
+    def test_M16_without_damage_it_is_the_program(self):
+        self.model(None, "--size", "3", expect=0, program=harness.PROGRAM)
+        of_program = self.files()
+        self.model(None, "--size", "3", expect=0)
+        for name in ("m.vtu", "m.stl", "m.json"):
+            self.assertEqual((self.folder / name).read_bytes(), of_program[name], name)
+
+    def test_M16_a_damaged_mesh_ends_with_7_and_no_file_changes(self):
+        for damage, clause in self.BROKEN.items():
+            for were_there in (self.OUTPUTS, self.OUTPUTS[1::2], ()):
+                for name in self.OUTPUTS:
+                    (self.folder / name).unlink(missing_ok=True)
+                for name in were_there:
+                    self.write(name, f"what stood there as {name}")
+                before = self.files()
+                with self.subTest(damage=damage, were_there=were_there):
+                    done = self.model(damage, "--size", "3", expect=7)
+                    self.assertIn(f"E-PIP-002: clause {clause} of the certificate is broken", done.err)
+                    self.assertIn("nothing was written", done.err)
+                    self.assertEqual(done.out, "")
+                    self.assertEqual(self.files(), before)
+
+    def test_M16_no_further_run_hides_the_damage(self):
+        """Of a default size, finer runs follow; each is damaged as well."""
+        self.write("m.stl", "what stood there")
+        before = self.files()
+        for damage in ("turned_cell", "contour_vertex_off"):
+            self.assertIn("E-PIP-002", self.model(damage, expect=7).err)
+            self.assertEqual(self.files(), before)
+
+    def test_M16_one_of_several_models_is_damaged(self):
+        before = self.files()
+        self.model("turned_cell", "--separate", "--size", "3", expect=7)
+        self.assertEqual(self.files(), before)
+
+    def test_M16_what_breaks_no_clause_is_told(self):
+        """Without a cell of its inside, or one at its surface, a model is still a manifold: the field tells that it is another one."""
+        for damage, codes in (("missing_cell_inside", {"W-PIP-006", "W-PIP-008"}), ("missing_cell_at_facet", {"W-PIP-008"})):
+            done = self.model(damage, "--size", "2", expect=0)
+            report = json.loads((self.folder / "m.report.json").read_text())
+            self.assertLessEqual(codes, {warning["code"] for warning in report["warnings"]}, damage)
+            for code in codes:
+                self.assertIn(code, done.err)
+
+
 if __name__ == "__main__":
     harness.main(__name__)

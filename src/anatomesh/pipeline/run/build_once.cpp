@@ -196,8 +196,11 @@ Status run_steps(RunState& run, RunContext& context, const StageObserver& observ
 
 Result<Model> run_to_model(RunState& run, RunContext& context, const StageObserver& observer) {
     ANATOMESH_CHECK_STATUS(run_steps(run, context, observer));
+    const Status judged = judge_run(*run.prepared, run.model.report, run.config.size_given);
+    // What is looked at next goes over neighbours and indices, which a mesh that is unsound need not have.
+    if (!judged.ok() && judged.error().kind == ErrorKind::internal) return judged.error();
     run.topology = warn_of_run(*run.prepared, run.model, run.working.neighbors, context);
-    ANATOMESH_CHECK_STATUS(judge_run(*run.prepared, run.model.report, run.config.size_given));
+    ANATOMESH_CHECK_STATUS(judged);
     return std::move(run.model);
 }
 

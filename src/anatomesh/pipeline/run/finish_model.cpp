@@ -99,20 +99,24 @@ TopologyFindings warn_of_run(const PreparedRun& run, const Model& model,
 }
 
 Status judge_run(const PreparedRun& run, const ModelReport& report, bool size_given) {
+    // Cuts, quality and volume are out of reach for this input; a wrong surface is a fault of ours, whatever else
+    // came of it.
+    const auto out_of_reach = [](const Clause& clause) {
+        return clause.number == 2 || clause.number == 4 || clause.number == 6;
+    };
+    const Clause* broken = nullptr;
     for (const Clause& clause : report.certificate) {
         if (clause.state != ClauseState::broken) continue;
-        // Cuts, quality and volume are out of reach for this input; a wrong surface would be a fault of
-        // ours.
-        const bool out_of_reach = clause.number == 2 || clause.number == 4 || clause.number == 6;
-        return Error{out_of_reach ? ErrorKind::geometry : ErrorKind::internal,
-                     "E-PIP-002",
-                     "clause " + std::to_string(clause.number) +
-                         " of the certificate is broken: " + clause.statement + " (" + clause.evidence + ")",
-                     {},
-                     advice_on_size(mean_thickness(run.contours), report.lengths.size_mm, size_given) +
-                         "; nothing was written"};
+        if (!broken || (out_of_reach(*broken) && !out_of_reach(clause))) broken = &clause;
     }
-    return Nothing{};
+    if (!broken) return Nothing{};
+    return Error{out_of_reach(*broken) ? ErrorKind::geometry : ErrorKind::internal,
+                 "E-PIP-002",
+                 "clause " + std::to_string(broken->number) +
+                     " of the certificate is broken: " + broken->statement + " (" + broken->evidence + ")",
+                 {},
+                 advice_on_size(mean_thickness(run.contours), report.lengths.size_mm, size_given) +
+                     "; nothing was written"};
 }
 
 }  // namespace anatomesh

@@ -23,11 +23,12 @@ void finish_model(const PreparedRun& run, const ImproveInput& input, WorkingMesh
 void measure_run(const PreparedRun& run, const ContourSet& source, const RunContext& context, Model& model);
 
 // Warns of what was measured (model_warnings.h, topology_warnings.h). Returns where the surface is joined
-// otherwise than drawn. Requires: a measured model.
+// otherwise than drawn. Requires: a measured model that keeps clause 3.
 TopologyFindings warn_of_run(const PreparedRun& run, const Model& model,
                              const std::vector<std::uint32_t>& neighbors, RunContext& context);
 
-// Errors: E-PIP-002 a clause of the contract is broken.
+// Errors: E-PIP-002 a clause of the contract is broken; of kind `internal` where that is clause 1, 3 or 5, even if
+// others are broken as well.
 Status judge_run(const PreparedRun& run, const ModelReport& report, bool size_given);
 
 }  // namespace anatomesh
