@@ -408,10 +408,27 @@ Status AtomicFileSet::add(AtomicFile file) {
     return Nothing{};
 }
 
+Status AtomicFileSet::sync_once(const AtomicFile& file, std::vector<std::string>& synced,
+                                SystemCalls& calls) {
+    const std::string& folder = file.folder_;
+    if (std::find(synced.begin(), synced.end(), folder) != synced.end()) return Nothing{};
+    synced.push_back(folder);
+    if (const int why = sync_folder(folder, calls); why != 0)
+        return file_error("E-FILE-009", "folder " + folder + " could not be synced: " + reason(why),
+                          file.path_, advice(why));
+    return Nothing{};
+}
+
 Result<std::string> AtomicFileSet::begin_journal(const std::vector<AtomicFile>& files) {
     if (files.size() < 2) return std::string();
     std::vector<PendingOutput> pending;
     for (const AtomicFile& file : files) pending.push_back({file.temporary_, file.target_});
+    // The journal is believed after a power failure, so the names that it tells of are on the disk before it: those in its own
+    // folder go with its own name.
+    std::vector<std::string> synced{files.front().folder_};
+    for (const AtomicFile& file : files) {
+        ANATOMESH_CHECK_STATUS(sync_once(file, synced, *calls_));
+    }
     // Each temporary file's name is its run's alone.
     std::string journal = files.front().temporary_ + std::string(journal_suffix);
     if (const int why = write_journal(journal, pending, *calls_); why != 0) {
@@ -437,13 +454,8 @@ Status AtomicFileSet::commit(const std::function<Status()>& last) {
     }
     std::vector<std::string> synced;
     for (std::size_t i = 0; i < files.size() && !failure; ++i) {
-        const std::string& folder = files[i].folder_;
-        if (std::find(synced.begin(), synced.end(), folder) != synced.end()) continue;
-        synced.push_back(folder);
-        if (const int why = sync_folder(folder, *calls_); why != 0) {
-            failure = file_error("E-FILE-009", "folder " + folder + " could not be synced: " + reason(why),
-                                 files[i].path_, advice(why));
-        }
+        Status status = sync_once(files[i], synced, *calls_);
+        if (!status.ok()) failure = std::move(status).error();
     }
     if (!failure && last) {
         Status status = last();

@@ -79,8 +79,9 @@ class AtomicFile {
 
 // Several outputs of one run that appear together: all are complete on the disk before the first is renamed,
 // and when a rename fails the earlier ones are undone (as far as the file system lets; old contents are kept
-// aside by exchanging names until the end). A run that is killed between two renames leaves a journal: the next run
-// that writes into the folder of the first output gives the others their names, so that all appear (set_journal.h).
+// aside by exchanging names until the end). A run that ends between two renames, by a kill or a power failure, leaves
+// a journal: the next run that writes into the folder of the first output gives the others their names, so that all
+// appear (set_journal.h).
 class AtomicFileSet {
   public:
     explicit AtomicFileSet(SystemCalls& calls = SystemCalls::real()) : calls_(&calls) {}
@@ -98,6 +99,8 @@ class AtomicFileSet {
   private:
     // The journal of several files that are about to get their names (set_journal.h); an empty text for one.
     Result<std::string> begin_journal(const std::vector<AtomicFile>& files);
+    // Syncs the folder of a file, unless it is among `synced`, and adds it there. Error: E-FILE-009.
+    static Status sync_once(const AtomicFile& file, std::vector<std::string>& synced, SystemCalls& calls);
 
     SystemCalls* calls_;
     std::vector<AtomicFile> files_;

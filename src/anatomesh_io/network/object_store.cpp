@@ -86,11 +86,6 @@ bool is_free(const std::string& path) {
     return ::lstat(path.c_str(), &state) != 0 && errno == ENOENT;
 }
 
-std::string parent_of(const std::string& folder) {
-    const std::string parent = fs::path(folder).parent_path().string();
-    return parent.empty() ? "." : parent;
-}
-
 // Removes what killed processes left, and adds up the rest.
 std::uint64_t take_stock(const std::string& folder, SystemCalls& calls) {
     std::error_code error;
@@ -158,7 +153,6 @@ Result<ObjectStore> ObjectStore::open(const std::string& folder, const ObjectSto
         return store_error("E-NET-001", folder,
                            std::string("the folder cannot be created: ") + std::strerror(errno),
                            "give a folder inside an existing folder");
-    if (store.made_) sync_folder(parent_of(folder), calls);
     if (::access(folder.c_str(), W_OK | X_OK) != 0)
         return store_error("E-NET-001", folder, "the folder cannot be written",
                            "check the permissions of the folder");
@@ -187,6 +181,25 @@ ObjectStore::ObjectStore(ObjectStore&& other) noexcept
 ObjectStore::~ObjectStore() {
     if (made_) ::rmdir(folder_.c_str());  // fails when something is in it
     if (lock_ >= 0) ::close(lock_);
+}
+
+int ObjectStore::sync_names(const std::string& study, const std::string& series) {
+    const std::string root = folder_ + "/";
+    if (const int why = sync_folder(root + series, *calls_); why != 0) return why;
+    if (series != synced_series_) {
+        if (const int why = sync_folder(root + study, *calls_); why != 0) return why;
+        synced_series_ = series;
+    }
+    if (study != synced_study_) {
+        if (const int why = sync_folder(folder_, *calls_); why != 0) return why;
+        synced_study_ = study;
+    }
+    if (!is_folder_synced_) {
+        // The folder above may be one that this user cannot read, where nothing more can be done.
+        if (const int why = sync_folder(folder_ + "/..", *calls_); why != 0 && why != EACCES) return why;
+        is_folder_synced_ = true;
+    }
+    return 0;
 }
 
 ObjectStore::Incoming::Incoming(ObjectStore& store, ObjectLabel label)
@@ -279,7 +292,8 @@ StoreOutcome ObjectStore::Incoming::finish() {
 
 // An object whose name is taken. Only what is read and found equal counts as there, and nothing takes the place
 // of what cannot be read: it may be the one object of this UID that somebody has planned with.
-StoreOutcome ObjectStore::Incoming::compare_with(const std::string& target, StoreOutcome outcome) {
+StoreOutcome ObjectStore::Incoming::compare_with(const std::string& target, const std::string& study,
+                                                 const std::string& series, StoreOutcome outcome) {
     const MappedFile there(target, MappedFile::Links::refused, *store_->calls_);
     if (!there.is_open()) {
         outcome.status = dimse::unreadable_there;
@@ -296,6 +310,12 @@ StoreOutcome ObjectStore::Incoming::compare_with(const std::string& target, Stor
     outcome.end = equal ? StoreEnd::there_already : StoreEnd::refused;
     outcome.status = equal ? dimse::success : dimse::other_content;
     if (!equal) outcome.reason = "an object of the same UID with other content is there";
+    // A process may have been killed between its name and the sync of it.
+    if (const int why = equal ? store_->sync_names(study, series) : 0; why != 0) {
+        outcome.end = StoreEnd::refused;
+        outcome.status = dimse::out_of_resources;
+        outcome.reason = std::string("its folder cannot be synced: ") + std::strerror(why);
+    }
     return outcome;
 }
 
@@ -308,7 +328,7 @@ StoreOutcome ObjectStore::Incoming::place(ObjectIdentity identity) {
     outcome.identity = std::move(identity);
     outcome.bytes = bytes_;
     const std::string target = root + outcome.path;
-    if (!is_free(target)) return compare_with(target, std::move(outcome));
+    if (!is_free(target)) return compare_with(target, study, series, std::move(outcome));
     const auto fails = [&](const std::string& what) {
         outcome.status = dimse::out_of_resources;
         outcome.reason = what + ": " + std::strerror(errno);
@@ -317,13 +337,13 @@ StoreOutcome ObjectStore::Incoming::place(ObjectIdentity identity) {
     bool new_study = false, new_series = false;
     if (!make_folder(root + study, new_study) || !make_folder(root + series, new_series))
         return fails("no folder can be made for it");
+    if (new_study) store_->synced_study_.clear();
+    if (new_series) store_->synced_series_.clear();
     if (calls.rename(temporary_.c_str(), target.c_str()) != 0) return fails("it cannot be given its name");
     calls.close(std::exchange(descriptor_, -1));
-    const bool synced = sync_folder(root + series, calls) == 0 &&
-                        (!new_series || sync_folder(root + study, calls) == 0) &&
-                        (!new_study || sync_folder(store_->folder_, calls) == 0);
-    if (!synced) {
+    if (const int why = store_->sync_names(study, series); why != 0) {
         calls.unlink(target.c_str());
+        errno = why;
         return fails("its folder cannot be synced");
     }
     store_->used_ += bytes_;

@@ -83,13 +83,15 @@ class ObjectStore {
         void write(std::string_view bytes);
         // Checks and places the object. An object that is there already with the same content is success;
         // with other content it is refused. What has its name and cannot be read and compared refuses it too
-        // (a file without permission, a link, no descriptor or memory left). What is there always stays.
+        // (a file without permission, a link, no descriptor or memory left). What is there always stays. Success means
+        // that the object and its names are on the disk.
         StoreOutcome finish();
 
       private:
         StoreOutcome refused(std::uint16_t status, std::string reason);
         StoreOutcome place(ObjectIdentity identity);
-        StoreOutcome compare_with(const std::string& target, StoreOutcome outcome);
+        StoreOutcome compare_with(const std::string& target, const std::string& study,
+                                  const std::string& series, StoreOutcome outcome);
 
         ObjectStore* store_;
         ObjectLabel label_;  // empty fields: not stated
@@ -104,12 +106,19 @@ class ObjectStore {
     ObjectStore(std::string folder, const ObjectStoreOptions& options, SystemCalls& calls)
         : folder_(std::move(folder)), options_(options), calls_(&calls) {}
 
+    // Syncs the names on the way to an object, so that all of them are on the disk. Who made the folders plays no part: a killed
+    // process may have made them and not synced them. Returns 0, or the errno.
+    int sync_names(const std::string& study, const std::string& series);
+
     std::string folder_;
     ObjectStoreOptions options_;
     ObjectFilter filter_;
     SystemCalls* calls_;
     int lock_ = -1;
     bool made_ = false;  // the folder
+    // The last ones whose names in the folders above are on the disk: objects come series by series.
+    std::string synced_study_, synced_series_;
+    bool is_folder_synced_ = false;  // its name in the one above
     std::uint64_t used_ = 0, number_ = 0;
 };
 
