@@ -87,6 +87,26 @@ class WrongSlices(harness.TestCase):
                     self.assertIn(words, line)
                     self.assertTrue(any(f"--without 'z = {GAP * k}'" in line for k in wrong), line)
 
+    def test_halves_exchanged_on_a_slice_take_bounded_work(self):
+        """Two halves of a ball: every retry and every surgery of the surface is tried in vain there."""
+        def half(radius, side, z):
+            arc = [[side * radius * np.cos(t), radius * np.sin(t), z] for t in np.pi * (np.arange(15) / 14 - 0.5)]
+            return arc + [[0.0, radius * (1 - 2 * i / 9), z] for i in range(1, 9)]
+
+        slices = []
+        for k in range(8):
+            z = -10.5 + 3 * k
+            radius, side = float(np.sqrt(144 - z * z)), -1 if k == 4 else 1
+            slices.append({"plane": {"origin": [0, 0, z], "normal": [0, 0, 1]},
+                           "contours": [{"structure": number, "points": half(radius, which, z)} for number, which in ((1, side), (2, -side))]})
+        path = self.write("halves.json", json.dumps({"format": "anatomesh-contours", "version": 1, "space": "LPS", "unit": "mm", "slices": slices,
+                                                     "structures": [{"number": 1, "name": "a"}, {"number": 2, "name": "b"}]}))
+        done = self.run_program("model", path, "-o", "halves.vtu", "--report", "halves.report.json")
+        self.assertIn("W-FLD-020", done.err)
+        work = json.loads((self.folder / "halves.report.json").read_text())["timing"]["work"]
+        self.assertLessEqual(work["meshings"], 3)
+        self.assertLess(work["edited_cells"], 500_000)
+
     def test_right_slices_are_not(self):
         for name, usual in (("cylinder", cylinder), ("hollow", hollow), ("vessels", vessels), ("three", three)):
             with self.subTest(name):

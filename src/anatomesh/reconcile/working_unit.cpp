@@ -17,6 +17,7 @@ constexpr double farthest_planes = 16;
 // Drawn spacings from here to four times as much need no other unit: lengths of reconciling were measured on them.
 // [mm; > 0; M 2026-12 fetal brain 1.8, heart 3.4, ball in a ball 1.5, random sets 2.6 to 4.9]
 constexpr double least_usual_spacing = 1.25;
+// Nor up to here. [mm; > least_usual_spacing; D four times as much]
 constexpr double most_usual_spacing = 4 * least_usual_spacing;
 
 void scale(ContourSet& set, double factor) {

@@ -188,6 +188,8 @@ TEST(Nrrd, N21_missing_and_unusable_fields) {
     EXPECT_EQ(replaced("(0,0.5,0)", "(0,0.5)"), "E-NRD-005");
     EXPECT_EQ(replaced("(0,0.5,0)", "(0,nan,0)"), "E-NRD-005");
     EXPECT_EQ(replaced("(0,0.5,0)", "(0,0,0)"), "E-IMG-007");
+    EXPECT_EQ(replaced("(0,0.5,0)", "(0,0.003,0)"), "E-IMG-018");  // hundreds of times as long as wide
+    EXPECT_EQ(replaced("(0,0.5,0)", "(0,0.02,0)"), "");
     EXPECT_EQ(replaced("(0,0.5,0)", "(0,1,5,0)"), "E-NRD-005");
     EXPECT_EQ(replaced("(10,20,30)", "(10,20,30) x"), "E-NRD-005");
     EXPECT_EQ(replaced("dimension: 3", "dimension: 300"), "E-NRD-005");
