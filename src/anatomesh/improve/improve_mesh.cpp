@@ -39,7 +39,7 @@ constexpr std::size_t visits_per_blemish = 4;
 // Flat cells between contours that are visited at most. [cells; > 0; B]
 constexpr std::size_t most_flat = 1000;
 // A kind of surgery visits so many cells at least, for shapes, and no more than these and a share of all cells together.
-// [cells; >= 0; M 2026-12 200 random solids, at most 9,000 at 60,000 cells; two halves exchanged on a slice 64,000]
+// [cells; >= 0; M 2026-12 the 8 slowest of 140 random solids, 9,000 of 60,000 cells; halves exchanged on a slice 64,000]
 constexpr std::uint64_t least_visits_of_surgery = 8000;
 // The same, as a share of the cells. [1; > 0; M 2026-12 the same]
 constexpr double visits_of_surgery = 0.15;

@@ -136,7 +136,7 @@ Status check_geometry(const ImageGeometry& geometry, const std::string& path) {
         volume_scale *= step;
     }
     // Voxels that are longer, in their widths, come of a damaged header: a model of them would have a thousand cells for
-    // each. [1; > 1; C optical coherence tomography of the retina has 125]
+    // each. [1; > 1; D slices of 10 mm of pixels of 0.05 mm]
     constexpr double longest_in_widths = 200;
     double shortest = std::numeric_limits<double>::infinity(), longest = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -147,8 +147,9 @@ Status check_geometry(const ImageGeometry& geometry, const std::string& path) {
     if (longest > longest_in_widths * shortest)
         return image_error(
             "E-IMG-018",
-            fmt::format("the voxels are {:.0f} times as long as they are wide, which no scanner makes",
-                        longest / shortest),
+            fmt::format(
+                "the voxels are {:.0f} times as long as they are wide, which is most likely a mistake",
+                longest / shortest),
             path, fmt::format("{:.4g} and {:.4g} mm", longest, shortest),
             "correct the spacings in the header of the image");
     const double volume = dot(geometry.step[0], cross(geometry.step[1], geometry.step[2]));
