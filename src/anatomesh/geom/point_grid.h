@@ -9,8 +9,9 @@
 
 namespace anatomesh {
 
-// Queries with a radius up to the grid's cell size look at 27 cells; larger ones at more. Memory linear in the
-// points, whatever the extent. The order of visits depends on the points alone.
+// Queries with a radius up to the grid's cell size look at 27 cells; larger ones at more, but at no more than there are
+// points: where cells are more, the points are looked at one by one. Memory linear in the points, whatever the extent.
+// The order of visits depends on the points alone.
 class PointGrid {
   public:
     // Requires: cell_size > 0.
@@ -74,6 +75,13 @@ class PointGrid {
         const double squared = radius * radius;
         const Key low = key({p.x - radius, p.y - radius, p.z - radius});
         const Key high = key({p.x + radius, p.y + radius, p.z + radius});
+        if (more_cells_than_points(low, high)) {
+            for (std::uint32_t index = 0; index < points_.size(); ++index) {
+                const double distance = squared_length(points_[index] - p);
+                if (distance <= squared && visit(index, distance)) return true;
+            }
+            return false;
+        }
         for (std::int64_t k = low.k; k <= high.k; ++k) {
             for (std::int64_t j = low.j; j <= high.j; ++j) {
                 const std::size_t cells = row(j, k);
@@ -89,6 +97,14 @@ class PointGrid {
             }
         }
         return false;
+    }
+    // Queries of the size that the grid is made for never are such.
+    bool more_cells_than_points(const Key& low, const Key& high) const {
+        const auto along = [](std::int64_t from, std::int64_t to) {
+            return static_cast<double>(to - from) + 1;
+        };
+        const double rows = along(low.j, high.j) * along(low.k, high.k);
+        return rows > 9 && rows * along(low.i, high.i) > static_cast<double>(points_.size());
     }
     void link(std::uint32_t index, Vec3 p) {
         const Key at = key(p);

@@ -44,7 +44,7 @@ TEST(PointGrid, finds_what_a_search_of_all_points_finds) {
             grid.add(p);
             points.push_back(p);
             const Vec3 q = n % 2 ? p : Vec3{coordinate(random), coordinate(random), coordinate(random)};
-            for (const double radius : {0.0, 0.5 * cell, cell, std::min(3 * cell, 4.0)}) {
+            for (const double radius : {0.0, 0.5 * cell, cell, std::min(3 * cell, 4.0), 15.0, 1e5}) {
                 const Found expected = by_force(points, q, radius);
                 ASSERT_EQ(by_grid(grid, q, radius), expected);
                 ASSERT_EQ(grid.any_within(q, radius), !expected.empty());

@@ -19,18 +19,23 @@ class ProtectedSegments {
   public:
     // `size` is the edge length about which queries are made, mm. `lens_slope`: see ball_at(). >= 0
     ProtectedSegments(double size, std::size_t expected_points, double lens_slope = 0)
-        : points_(0.5 * size, expected_points), midpoints_(size, expected_points), lens_slope_(lens_slope) {}
+        : points_(0.5 * size, expected_points), lens_slope_(lens_slope) {
+        levels_.push_back({PointGrid(size, expected_points), {}, size, 0});
+    }
 
     void add_point(Vec3 p) { points_.add(p); }
     // Returns the number of the segment's ball.
     std::uint32_t add_segment(Vec3 p, Vec3 q) {
         const Vec3 half = 0.5 * (q - p);
-        midpoints_.add(0.5 * (p + q));
+        const auto ball = static_cast<std::uint32_t>(squared_half_lengths_.size());
         halves_.push_back(half);
         squared_half_lengths_.push_back(squared_length(half));
         middles_.push_back(0.5 * (p + q));
-        longest_half_ = std::max(longest_half_, length(half));
-        return static_cast<std::uint32_t>(squared_half_lengths_.size() - 1);
+        Level& level = level_of(length(half));
+        level.middles.add(middles_.back());
+        level.balls.push_back(ball);
+        level.longest_half = std::max(level.longest_half, length(half));
+        return ball;
     }
     // For a segment that was split: its halves are added by themselves.
     void drop_ball(std::uint32_t ball) { squared_half_lengths_[ball] = -1; }
@@ -85,17 +90,21 @@ class ProtectedSegments {
     // slope times the share.
     std::uint32_t ball_at(Vec3 p, double share = 1) const {
         std::uint32_t found = no_ball;
-        midpoints_.for_each_within(
-            p, (lens_slope_ > 0 && share > 0 ? 1 : share) * longest_half_,
-            [&](std::uint32_t ball, double squared) {
-                if (squared >= share * share * squared_half_lengths_[ball] &&
-                    !in_lens(p, ball, squared, lens_slope_ * share))
-                    return;
-                const bool better =
-                    found == no_ball || squared_half_lengths_[ball] > squared_half_lengths_[found] ||
-                    (squared_half_lengths_[ball] == squared_half_lengths_[found] && ball < found);
-                if (better) found = ball;
-            });
+        const double reach = lens_slope_ > 0 && share > 0 ? 1 : share;
+        for (const Level& level : levels_) {
+            if (level.balls.empty()) continue;
+            level.middles.for_each_within(
+                p, reach * level.longest_half, [&](std::uint32_t n, double squared) {
+                    const std::uint32_t ball = level.balls[n];
+                    if (squared >= share * share * squared_half_lengths_[ball] &&
+                        !in_lens(p, ball, squared, lens_slope_ * share))
+                        return;
+                    const bool better =
+                        found == no_ball || squared_half_lengths_[ball] > squared_half_lengths_[found] ||
+                        (squared_half_lengths_[ball] == squared_half_lengths_[found] && ball < found);
+                    if (better) found = ball;
+                });
+        }
         return found;
     }
     double ball_radius(std::uint32_t ball) const { return std::sqrt(squared_half_lengths_[ball]); }
@@ -105,6 +114,23 @@ class ProtectedSegments {
     bool allows(Vec3 p, double distance) const { return !any_point_within(p, distance) && outside_balls(p); }
 
   private:
+    // The balls whose radii are at most `most_half`, and above that of the level before. A grid as coarse as the
+    // largest of them answers at 27 cells, however long the segments of other levels are.
+    struct Level {
+        PointGrid middles;
+        std::vector<std::uint32_t> balls;  // of each point of `middles`
+        double most_half = 0, longest_half = 0;
+    };
+    Level& level_of(double half) {
+        while (levels_.back().most_half < half) {
+            const double most_half = 2 * levels_.back().most_half;
+            levels_.push_back({PointGrid(most_half, 0), {}, most_half, 0});
+        }
+        std::size_t n = 0;
+        while (levels_[n].most_half < half) ++n;
+        return levels_[n];
+    }
+
     // The diametral lens (Shewchuk, Comput. Geom. 22, 2002): the tangent of what the angle under which p sees
     // the segment lacks of 180 degrees is 2 h d / (h^2 - m^2), with half the length h, p at m from its middle
     // and d from its line.
@@ -115,10 +141,10 @@ class ProtectedSegments {
         return 4 * squared_length(cross(halves_[ball], p - middles_[ball])) < bound * bound;
     }
 
-    PointGrid points_, midpoints_;
+    PointGrid points_;
+    std::vector<Level> levels_;  // the first has all segments that are not long
     std::vector<Vec3> halves_, middles_;
     std::vector<double> squared_half_lengths_;
-    double longest_half_ = 0;
     double lens_slope_ = 0;
 };
 

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <random>
+#include <utility>
+#include <vector>
 
 namespace anatomesh::protected_segments_test {
 namespace {
@@ -52,6 +56,36 @@ TEST(ProtectedSegments,
         }
     }
     EXPECT_GT(let_through, 1000);
+}
+
+// Lengths from a hundredth to ten thousand sizes in one set: the ball is that which a search of all finds.
+TEST(ProtectedSegments, finds_the_ball_of_any_length_among_short_and_long_ones) {
+    RandomPlaces places;
+    int found = 0;
+    for (int set = 0; set < 40; ++set) {
+        ProtectedSegments protected_segments(1, 50);
+        std::vector<std::pair<Vec3, double>> balls;  // middle, radius
+        for (int n = 0; n < 50; ++n) {
+            const double half = std::pow(10, places.number(-2, 4));
+            const Vec3 middle = places.point(100), direction = places.point(1);
+            const Vec3 along = (half / length(direction)) * direction;
+            const std::uint32_t ball = protected_segments.add_segment(middle - along, middle + along);
+            balls.emplace_back(0.5 * ((middle - along) + (middle + along)),
+                               protected_segments.ball_radius(ball));
+        }
+        for (int k = 0; k < 200; ++k) {
+            const Vec3 p = k % 4 ? places.point(200) : balls[k % 50].first;
+            std::uint32_t expected = ProtectedSegments::no_ball;
+            for (std::uint32_t n = 0; n < balls.size(); ++n) {
+                if (length(p - balls[n].first) < balls[n].second &&
+                    (expected == ProtectedSegments::no_ball || balls[n].second > balls[expected].second))
+                    expected = n;
+            }
+            EXPECT_EQ(protected_segments.ball_at(p), expected) << set << ' ' << k;
+            found += expected != ProtectedSegments::no_ball;
+        }
+    }
+    EXPECT_GT(found, 1000);
 }
 
 TEST(ProtectedSegments, names_the_longest_of_several_segments_until_it_is_dropped) {

@@ -503,11 +503,12 @@ TEST(DicomSeries, G29_one_slice_and_two) {
 }
 
 TEST(DicomSeries, G30_unusual_extents) {
-    Reading large(ct_series(4, 900)), usual(ct_series(4));
+    Reading large(ct_series(30, 90)), usual(ct_series(4)), elongated(ct_series(4, 900));
     EXPECT_EQ(large.code(), "");
     EXPECT_TRUE(large.warned("W-DCM-012"));
     EXPECT_EQ(usual.code(), "");
     EXPECT_FALSE(usual.warned("W-DCM-012"));
+    EXPECT_EQ(elongated.code(), "E-IMG-018");  // pixels are 0.5 mm wide
 }
 
 TEST(DicomSeries, G35_mosaics_and_localizers) {

@@ -47,13 +47,55 @@ Status compare_names(const RawContours& raw, RunContext& context) {
 
 // Contours that span more are not those of one patient in mm. [mm; > 0; C W-CON-035]
 constexpr double most_span_mm = 3000;
+// No scanner holds so much. Unless the user says that they are mm, numbers that span more are in another unit, or one of
+// them is wrong. [mm; > most_span_mm; C E-CON-013]
+constexpr double refused_span_mm = 10000;
+
+// The vertex farthest from where most contours lie, the middle of their boxes' middles.
+Place farthest_vertex(const RawContours& raw, const std::vector<Candidate>& candidates) {
+    std::array<std::vector<double>, 3> middles;
+    for (const Candidate& candidate : candidates) {
+        Box3 box;
+        for (const Vec3& p : candidate.points) box.extend(p);
+        const Vec3 middle = 0.5 * (box.low + box.high);
+        middles[0].push_back(middle.x);
+        middles[1].push_back(middle.y);
+        middles[2].push_back(middle.z);
+    }
+    for (std::vector<double>& values : middles)
+        std::nth_element(values.begin(), values.begin() + std::ssize(values) / 2, values.end());
+    const auto median = [&](std::size_t axis) { return middles[axis][middles[axis].size() / 2]; };
+    const Vec3 usual{median(0), median(1), median(2)};
+    std::uint32_t contour = candidates.front().raw;
+    Vec3 farthest = usual;
+    for (const Candidate& candidate : candidates) {
+        for (const Vec3& p : candidate.points) {
+            if (!(length(p - usual) > length(farthest - usual))) continue;
+            farthest = p;
+            contour = candidate.raw;
+        }
+    }
+    Place place = place_of_contour(raw, contour);
+    place.value = "(" + significant_text(farthest.x, 5) + ", " + significant_text(farthest.y, 5) + ", " +
+                  significant_text(farthest.z, 5) + ") mm";
+    return place;
+}
 
 // Shrinks the tolerances with the span of all contours: those in mm would swallow contours in metres.
-CleanOptions fitted_to_span(const RawContours& raw, const std::vector<Candidate>& candidates,
-                            CleanOptions options, RunContext& context) {
+Result<CleanOptions> fitted_to_span(const RawContours& raw, const std::vector<Candidate>& candidates,
+                                    CleanOptions options, RunContext& context) {
     Box3 box;
     for (const Candidate& candidate : candidates) {
         for (const Vec3& p : candidate.points) box.extend(p);
+    }
+    if (!candidates.empty() && box.diagonal() > refused_span_mm && !raw.unit_is_given) {
+        return Error{
+            ErrorKind::input, "E-CON-013",
+            "all contours together span " + brief(box.diagonal() / 1000) +
+                " m, so the numbers are not mm, or one is wrong; the point named is farthest from most "
+                "contours",
+            farthest_vertex(raw, candidates),
+            "scale the numbers in the file, correct the contour, or say with --unit mm that all are right"};
     }
     options.crowded_mm = std::min(options.crowded_mm, crowded_span * box.diagonal());
     if (!candidates.empty() && box.diagonal() > most_span_mm && !raw.unit_is_given)
@@ -125,7 +167,9 @@ constexpr std::array<CleaningStep, 16> cleaning_steps{
     // Exact repeats are dropped.
     [](Cleaning& c) { return drop_repeats(c.raw, c.candidates, c.log); },
     // Tolerances are fitted to the span of all candidates.
-    [](Cleaning& c) { return store(fitted_to_span(c.raw, c.candidates, c.options, c.context), c.options); },
+    [](Cleaning& c) {
+        return store<CleanOptions>(fitted_to_span(c.raw, c.candidates, c.options, c.context), c.options);
+    },
     // Candidates are grouped by slice.
     [](Cleaning& c) { return store(group_candidates(c.raw, c.candidates, c.options.planes), c.slices); },
     // Slices that the user names are left out.

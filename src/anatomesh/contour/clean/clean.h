@@ -68,7 +68,7 @@ struct CleanResult {
 // Every repair is counted and warned about, with its displacement and area; above its bound it is an error. Contours
 // that span less than 1 mm in all are most likely in another unit. There the tolerances (plane, group, corridor,
 // separation, weld) shrink with the span, so that nothing is lost.
-// Errors: E-CON-001..012, warnings: W-CON-001..034; those of
+// Errors: E-CON-001..013, warnings: W-CON-001..035; those of
 // complete_slices.h. Complexity: O(n log n) per slice in its points, plus the crossings
 // found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);

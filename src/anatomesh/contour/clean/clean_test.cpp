@@ -475,9 +475,27 @@ TEST(Clean, RS30_contours_larger_than_a_patient_are_told_of) {
             for (Vec3& p : points) p = scale * p;
             file.add(points);
         }
-        EXPECT_EQ(clean(file).count("W-CON-035"), scale * 80 > 3000 ? 1u : 0u) << scale;
+        const Cleaned run = clean(file);
+        EXPECT_EQ(run.code(), scale * 79 > 10000 ? "E-CON-013" : "") << scale;
+        EXPECT_EQ(run.count("W-CON-035"), scale * 79 > 3000 && run.code().empty() ? 1u : 0u) << scale;
         file.raw.unit_is_given = true;
         EXPECT_EQ(clean(file).count("W-CON-035"), 0u) << "the user says that they are so large";
+    }
+}
+
+// A digit too many in one of many numbers: the message names the point that has it.
+TEST(Clean, RS30_a_vertex_metres_away_is_named) {
+    std::mt19937 random(3);
+    for (int member = 0; member < 50; ++member) {
+        File file;
+        for (int k = 0; k < 8; ++k) file.add(circle(0, 0, 25, 40, 5.0 * k));
+        Vec3& wrong = file.raw.points[random() % file.raw.points.size()];
+        (member % 2 ? wrong.x : wrong.y) = member % 3 ? 17000 : -17000;
+        const Cleaned run = clean(file);
+        ASSERT_EQ(run.code(), "E-CON-013");
+        EXPECT_NE(run.result.error().place.value.find("17000"), std::string::npos)
+            << run.result.error().place.value;
+        EXPECT_FALSE(run.result.error().place.contour.empty());
     }
 }
 
@@ -610,6 +628,7 @@ TEST(Clean, C04_random_scribbles_never_break_the_invariants) {
             for (Vec3& p : points) p = {p.x * 1000, p.y * 1000, 10};
             file.add(points);
         }
+        file.raw.unit_is_given = true;  // a third of them span a kilometre
         const Cleaned run = clean(file, any);
         if (run.ok()) {
             EXPECT_KEPT(run);

@@ -20,6 +20,9 @@ namespace {
 constexpr double hair_mm = 1e-6;
 // Of vertices crowded within a corridor's width at most so many are looked at. [vertices; > 0; B]
 constexpr std::size_t crowd = 64;
+// A vertex so near to one that rings share leaves that one no room: it goes with the corner that is cut off.
+// [distances of separation; 0 to 0.25; B]
+constexpr double crowded_share = 0.1;
 
 std::size_t following(const Ring& ring, std::size_t i) {
     return i + 1 < ring.size() ? i + 1 : 0;
@@ -246,6 +249,37 @@ std::vector<Shared> find_shared(const std::vector<Ring>& rings) {
     return shared;
 }
 
+// Leaves out vertices nearer than `near` to shared ones that are to leave their place. Vertices that rings share stay,
+// and so do three of each ring.
+void leave_out_crowded_beside(const std::vector<Shared>& shared, double near, std::vector<Ring>& rings) {
+    std::vector<Vec2> places;
+    for (const Shared& s : shared) places.push_back(s.from);
+    const auto less = [](Vec2 p, Vec2 q) { return lexicographic_less(p, q); };
+    std::sort(places.begin(), places.end(), less);
+    std::vector<std::vector<std::uint8_t>> crowded(rings.size());
+    for (const Shared& s : shared) {
+        const Ring& ring = rings[s.ring];
+        crowded[s.ring].resize(ring.size(), 0);
+        for (const bool forward : {true, false}) {
+            std::size_t i = s.position;
+            for (std::size_t steps = 0; steps < ring.size(); ++steps) {
+                i = forward ? following(ring, i) : preceding(ring, i);
+                if (!(length(ring.at[i] - s.from) < near) ||
+                    std::binary_search(places.begin(), places.end(), ring.at[i], less))
+                    break;
+                crowded[s.ring][i] = 1;
+            }
+        }
+    }
+    for (std::size_t r = 0; r < rings.size(); ++r) {
+        const auto left = std::count(crowded[r].begin(), crowded[r].end(), 0);
+        if (crowded[r].empty() || left < 3) continue;
+        std::size_t i = 0, j = 0;
+        std::erase_if(rings[r].at, [&](Vec2) { return crowded[r][i++] != 0; });
+        std::erase_if(rings[r].points, [&](const Vec3&) { return crowded[r][j++] != 0; });
+    }
+}
+
 // Whether any of the points, in order of x, lies in the corner that is cut off, or on its new line.
 bool holds_any(const std::vector<Vec2>& points, const Shared& shared, const std::vector<Vec2>& line) {
     std::vector<Vec2> corner{shared.from, shared.previous};
@@ -304,8 +338,11 @@ bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distanc
                     std::vector<Separation>& done) {
     std::vector<Shared> shared = find_shared(rings);
     if (shared.empty()) return true;
+    std::vector<Ring> roomy = rings;
+    leave_out_crowded_beside(shared, crowded_share * distance, roomy);
+    shared = find_shared(roomy);
     std::vector<Vec2> points;
-    for (const Ring& ring : rings) points.insert(points.end(), ring.at.begin(), ring.at.end());
+    for (const Ring& ring : roomy) points.insert(points.end(), ring.at.begin(), ring.at.end());
     std::sort(points.begin(), points.end(), [](Vec2 p, Vec2 q) { return lexicographic_less(p, q); });
     // The back of each ring comes first, so that positions hold.
     std::sort(shared.begin(), shared.end(), [](const Shared& a, const Shared& b) {
@@ -315,7 +352,7 @@ bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distanc
     // on the angles, so ever smaller shares and moves are tried.
     for (double share : {0.5, 0.05, 0.005}) {
         for (double scale = 1; scale > 1e-3; scale *= 0.5) {
-            std::vector<Ring> apart = rings;
+            std::vector<Ring> apart = roomy;
             std::map<std::uint32_t, Separation> by_ring;
             bool jumps = false;  // over a ring that is smaller than what is cut off
             for (const Shared& s : shared) {

@@ -31,7 +31,8 @@ struct Separation {
 // Where rings share a vertex, all but the largest leave it. A sharp corner is cut off at `distance`. The vertex of a
 // blunt one goes as far along the bisector of its own polygon's angle, and the edges bend near it. The distance is less
 // where edges are short (a quarter of them), and where a smaller ring lies in the angle. It is also less where rings
-// would meet, or where another one lies in what is cut off. Requires: simple rings that meet in common vertices only. Returns false when no
+// would meet, or where another one lies in what is cut off. Vertices nearer to a shared one than a tenth of the distance
+// go with it, so that edges of rounding's length leave room. Requires: simple rings that meet in common vertices only. Returns false when no
 // room was found. O(n log n) for few shared vertices.
 bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distance,
                     std::vector<Separation>& done);

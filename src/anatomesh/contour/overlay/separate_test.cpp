@@ -37,6 +37,34 @@ TEST(SeparateRings, C05_many_that_touch_in_one_point_are_parted_alike) {
     }
 }
 
+// Vertices that lie as near to the common one as rounding or a fine drawing puts them leave the corner its room.
+TEST(SeparateRings, C05_vertices_crowded_beside_the_common_one_take_no_room) {
+    const Points large{{0, 0, 10}, {-20, -20, 10}, {20, -20, 10}};
+    for (int exponent = -16; exponent <= -2; ++exponent) {
+        for (const bool before : {true, false}) {
+            for (const bool after : {true, false}) {
+                const double near = std::pow(10, exponent);
+                Points small{{0, 0, 10}};
+                if (after) small.push_back({0.5 * near, near, 10});
+                small.push_back({5, 10, 10});
+                small.push_back({-5, 10, 10});
+                if (before) small.push_back({-0.5 * near, near, 10});
+                const Cleaned run = clean(File().add(large).add(small));
+                EXPECT_KEPT(run);
+                ASSERT_EQ(run.kept().contours.size(), 2u) << near;
+                double least = 100;
+                for (const Contour& contour : run.kept().contours) {
+                    const auto points = run.kept().points_of(contour);
+                    if (std::any_of(points.begin(), points.end(), [](const Vec3& p) { return p.y > 9; }))
+                        for (const Vec3& p : points) least = std::min(least, std::hypot(p.x, p.y));
+                }
+                EXPECT_GT(least, 0.19) << near << before << after;
+                EXPECT_LT(least, 0.3) << near << before << after;
+            }
+        }
+    }
+}
+
 // A hole so small and so near to a corner that the whole of it would be cut off stays a hole.
 TEST(SeparateRings, C08_no_corner_is_cut_off_beyond_a_ring_in_it) {
     const Points large{{0, 0, 10}, {-20, -20, 10}, {20, -20, 10}}, small{{0, 0, 10}, {4, 8, 10}, {-4, 8, 10}};
