@@ -52,6 +52,7 @@ class CountedField final : public StructureField {
     std::vector<Plane> flat_ends() const override { return field_->flat_ends(); }
     double slice_spacing() const override { return field_->slice_spacing(); }
     double clamp() const override { return field_->clamp(); }
+    std::vector<const StructureField*> parts() const override { return {field_.get()}; }
     Box3 box() const override { return field_->box(); }
     Box3 box_of(std::uint32_t structure) const override { return field_->box_of(structure); }
     bool slices_may_differ(Vec3 p, double radius) const override {

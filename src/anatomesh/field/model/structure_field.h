@@ -14,6 +14,7 @@
 namespace anatomesh {
 
 struct VolumeOptions;
+class StructureField;
 
 enum class EndCaps : std::uint8_t {
     half,    // half a slice beyond the last contour: the volume a label map means
@@ -45,6 +46,9 @@ struct FieldOptions {
     // Planes in any position: how far off a plane says something at least, and how wide a gap between planes
     // is no end, however near to each other most planes are. mm; 0: by their spacing.
     double least_reach_mm = 0;
+    // A field of nearly the same contours, or null. What lies on and between parallel slices that are the same, bit for
+    // bit, is taken over from it. The values are the same without it; after one edit most of the time is saved.
+    std::shared_ptr<const StructureField> earlier = nullptr;
 };
 
 // The volume of one structure, mm^3.
@@ -112,6 +116,9 @@ class StructureField {
     virtual double clamp() const = 0;          // mm
     virtual Box3 box() const = 0;              // holds every point with a region other than outside
     virtual Box3 box_of(std::uint32_t /*structure*/) const { return box(); }  // and every point of this one
+
+    // The fields that it is put together from; none where it is made of slices itself.
+    virtual std::vector<const StructureField*> parts() const { return {}; }
 
     // Whether slices that count within `radius` of p may draw more than one region there: false only where
     // all of them agree on a disc of that radius.

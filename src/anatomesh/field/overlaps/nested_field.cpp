@@ -133,6 +133,12 @@ class NestedField final : public StructureField {
     }
     double slice_spacing() const override { return levels_.front()->slice_spacing(); }
     double clamp() const override { return clamp_; }
+    std::vector<const StructureField*> parts() const override {
+        std::vector<const StructureField*> parts;
+        for (const auto& level : levels_) parts.push_back(level.get());
+        if (of_slices_) parts.push_back(of_slices_.get());
+        return parts;
+    }
     Box3 box() const override {
         Box3 box;
         for (const auto& level : levels_) {

@@ -83,6 +83,7 @@ class CrossedField final : public FieldQueries<CrossedField> {
     }
 
     double slice_spacing() const override { return stack_->slice_spacing(); }
+    std::vector<const StructureField*> parts() const override { return {stack_.get()}; }
     Box3 box() const override { return box_; }
     Box3 box_of(std::uint32_t structure) const override { return boxes_[structure]; }
 

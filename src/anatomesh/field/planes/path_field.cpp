@@ -131,6 +131,11 @@ class PathField final : public FieldQueries<PathField> {
     }
 
     double slice_spacing() const override { return spacing_; }
+    std::vector<const StructureField*> parts() const override {
+        std::vector<const StructureField*> parts;
+        for (const auto& field : in_charts_) parts.push_back(field.get());
+        return parts;
+    }
     Box3 box() const override { return box_; }
     Box3 box_of(std::uint32_t structure) const override { return boxes_[structure]; }
     std::vector<Plane> flat_ends() const override {

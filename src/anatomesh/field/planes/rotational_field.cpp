@@ -148,6 +148,9 @@ class RotationalField final : public StructureField {
     bool exclusive() const override { return parts_->near->exclusive(); }
     double slice_spacing() const override { return parts_->near->slice_spacing(); }
     double clamp() const override { return parts_->near->clamp(); }
+    std::vector<const StructureField*> parts() const override {
+        return {parts_->away.get(), parts_->near.get()};
+    }
     Box3 box() const override { return box_; }
     Box3 box_of(std::uint32_t structure) const override { return boxes_[structure]; }
 

@@ -1,167 +1,158 @@
 #include "anatomesh/field/stack/parallel_field.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
-#include <optional>
+#include <functional>
+#include <map>
 #include <span>
+#include <utility>
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/model/slice_groups.h"
-#include "anatomesh/field/model/field_queries.h"
-#include "anatomesh/field/model/volume.h"
 #include "anatomesh/field/motion/slice_motion.h"
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/slice_regions.h"
-#include "anatomesh/field/stack/caps.h"
-#include "anatomesh/field/stack/inside_share.h"
-#include "anatomesh/field/stack/paraboloid_caps.h"
-#include "anatomesh/field/stack/slice_knots.h"
+#include "anatomesh/field/stack/parallel_field_class.h"
 #include "anatomesh/field/stack/stack_warnings.h"
-#include "anatomesh/field/stack/structure_stack.h"
 #include "anatomesh/field/stack/terminating_components.h"
-#include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/coverage/covering_slices.h"
-#include "anatomesh/slices/coverage/few_slices.h"
 
 namespace anatomesh {
 
-namespace {
-
-// A column through a larger correction is integrated in twice as many parts, because its boundary bends
-// within a gap. [gaps; > 0; B]
-constexpr double much_curved = 0.05;
-// Where outlines are aligned, a column is integrated in at least a part for each such stretch that the boundary
-// moves, for it may enter and leave an oblique tube within one. [gaps; > 0; M 2026-11 oblique tubes]
-constexpr double moved_in_a_part = 0.25;
-// In no more parts than this. [parts; a power of two, >= 8; B]
-constexpr std::size_t most_parts = 64;
-
-class ParallelField final : public FieldQueries<ParallelField> {
-  public:
-    ParallelField(const Plane& frame, double spacing, double clamp, bool partition)
-        : frame_(frame), spacing_(spacing) {
-        clamp_ = clamp;
-        partition_ = partition;
-    }
-
-    double slice_spacing() const override { return spacing_; }
-    std::vector<Plane> flat_ends() const override {
-        std::vector<double> heights;
-        for (const StructureStack& structure_stack : structure_stacks_)
-            structure_stack.add_flat_ends(heights);
-        std::sort(heights.begin(), heights.end());
-        std::vector<Plane> ends(heights.size(), frame_);
-        for (std::size_t n = 0; n < ends.size(); ++n)
-            ends[n].origin = frame_.origin + heights[n] * frame_.normal;
-        return ends;
-    }
-    Box3 box() const override { return box_; }
-
-    static constexpr bool sides_cost_less = true;
-    RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
-        assert(structure < structure_stacks_.size());
-        return raw_at(structure, frame_.to_plane(p), frame_.signed_distance(p), reach);
-    }
-
-    double raw_union(Vec3 p, double reach) const {
-        return union_.blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p), reach);
-    }
-
-    template <class Body>
-    void each_raw(Vec3 p, double reach, Body body) const {
-        const double z = frame_.signed_distance(p);
-        const double b = (z - low_) * inverse_bucket_;
-        if (!(b >= 0) || b >= static_cast<double>(bucket_begin_.size() - 1)) return;
-        const Vec2 q = frame_.to_plane(p);
-        const auto bucket = static_cast<std::size_t>(b);
-        for (std::uint32_t i = bucket_begin_[bucket]; i < bucket_begin_[bucket + 1]; ++i) {
-            if (!near_[i].box.contains(q)) continue;
-            const RawValue raw = raw_at(near_[i].structure, q, z, reach);
-            if (raw.value < clamp_) body(near_[i].structure, raw);
+// The map of the union of a slice whose structures all have their maps from one slice of an earlier field; null if they
+// have not.
+std::shared_ptr<const DistanceMap> ParallelField::earlier_union(
+    const std::vector<const EarlierMaps::Entry*>& entries) const {
+    if (std::find(entries.begin(), entries.end(), nullptr) != entries.end()) return nullptr;
+    // Equal outlines of several slices have one map, so that any of the structures may name the slice.
+    for (const EarlierMaps::Entry* named_by : entries) {
+        const ParallelField& field = *earlier_[named_by->field];
+        const std::uint32_t slice = field.slice_of_map_[named_by->place];
+        std::vector<const DistanceMap*> drawn;
+        for (std::size_t s = 0; s + 1 < field.map_of_.size(); ++s) {
+            if (!field.map_of_[s].empty() && field.map_of_[s][slice] != empty_knot)
+                drawn.push_back(field.maps_[static_cast<std::size_t>(field.map_of_[s][slice])].get());
         }
+        const std::vector<std::int32_t>& unions = field.map_of_.back();
+        if (!unions.empty() && unions[slice] != empty_knot &&
+            std::equal(
+                entries.begin(), entries.end(), drawn.begin(), drawn.end(),
+                [](const EarlierMaps::Entry* entry, const DistanceMap* map) { return entry->map == map; }))
+            return field.maps_[static_cast<std::size_t>(unions[slice])];
     }
-
-    Result<std::vector<StructureVolume>> volumes(std::uint32_t count, const VolumeOptions& options,
-                                                 RunContext& context) const override;
-
-    // `few`: of the structures that are drawn on few slices.
-    Status build(const ContourSet& set, const std::vector<SliceInterval>& intervals,
-                 const std::vector<FewSlices>& few, const FieldOptions& options, RunContext& context);
-
-  private:
-    struct NearEntry {
-        std::uint32_t structure;
-        Box2 box;
-    };
-
-    RawValue raw_at(std::uint32_t structure, Vec2 q, double z, double reach) const {
-        const StructureStack& structure_stack = structure_stacks_[structure];
-        RawValue raw{clamp_, structure_stack.beyond_flat_cap(z)};
-        raw.value =
-            structure_stack.blend(maps_, clamp_, q, z, reach, partition_ ? &raw.to_own_half_gap : nullptr);
-        return raw;
-    }
-    StructureVolume pair_volume(std::uint32_t structure, const StructureStack::Pair& pair, double points,
-                                std::size_t layer) const;
-    double inside_share(std::uint32_t structure, const StructureStack::Pair& pair, Vec2 q, double step) const;
-    bool is_alone(std::uint32_t structure, const StructureStack::Pair& pair, Vec2 q) const;
-    Status build_maps(const ContourSet& set, RunContext& context);
-    Status find_motions(const ContourSet& set, RunContext& context);
-    void add_terminations_to_union(std::size_t pair);
-    void build_structure_stacks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
-                                const std::vector<FewSlices>& few, const FieldOptions& options,
-                                RunContext& context);
-    void build_near_table();
-    void build_box();
-
-    Plane frame_;
-    double spacing_ = 0;
-    Box3 box_;
-    std::vector<std::optional<DistanceMap>> maps_;
-    std::vector<std::uint32_t> slice_of_map_;
-    std::vector<std::vector<std::int32_t>> map_of_;  // [structure][slice]; the union comes last
-    std::vector<StructureStack> structure_stacks_;
-    StructureStack union_;
-    // Along the normal in buckets: the structures whose neighbourhood reaches into the bucket, rising.
-    double low_ = 0, inverse_bucket_ = 0;
-    std::vector<std::uint32_t> bucket_begin_;
-    std::vector<NearEntry> near_;
-};
+    return nullptr;
+}
 
 Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
-    std::vector<std::vector<SliceRegion>> regions(set.slices.size());
+    struct Job {
+        SliceRegion region;
+        std::uint64_t fingerprint = 0;
+        std::shared_ptr<const DistanceMap> map;
+    };
+    const auto none = static_cast<std::uint32_t>(set.structures.size());
+    std::vector<std::vector<Job>> slices(set.slices.size());
     parallel_for(set.slices.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s) {
-            regions[s] = slice_regions(set, static_cast<std::uint32_t>(s), frame_);
-            if (partition_ && !regions[s].empty()) {
-                const auto none = static_cast<std::uint32_t>(set.structures.size());
-                std::vector<Edge2> boundary = union_boundary(regions[s]);
-                if (!boundary.empty())
-                    regions[s].push_back({regions[s].front().slice, none, std::move(boundary)});
+            std::vector<SliceRegion> regions = slice_regions(set, static_cast<std::uint32_t>(s), frame_);
+            std::vector<const EarlierMaps::Entry*> entries;
+            for (const SliceRegion& region : regions) {
+                const std::uint64_t fingerprint = fingerprint_of(region.edges);
+                entries.push_back(earlier_maps_.find(fingerprint, region.edges, clamp_));
+                slices[s].push_back({{region.slice, region.structure, {}}, fingerprint, nullptr});
+                if (entries.back() != nullptr)
+                    slices[s].back().map = earlier_[entries.back()->field]->maps_[entries.back()->place];
             }
+            if (partition_ && !regions.empty()) {
+                std::shared_ptr<const DistanceMap> same = earlier_union(entries);
+                std::vector<Edge2> boundary;
+                if (!same) boundary = union_boundary(regions);
+                if (same || !boundary.empty())
+                    slices[s].push_back(
+                        {{regions.front().slice, none, std::move(boundary)}, 0, std::move(same)});
+            }
+            for (std::size_t r = 0; r < regions.size(); ++r)
+                slices[s][r].region.edges = std::move(regions[r].edges);
         }
     });
     map_of_.assign(set.structures.size() + 1, std::vector<std::int32_t>());
-    std::vector<SliceRegion*> jobs;
-    for (std::vector<SliceRegion>& slice : regions) {
-        for (SliceRegion& region : slice) {
+    std::vector<Job*> jobs;
+    for (std::vector<Job>& slice : slices) {
+        for (Job& job : slice) {
+            const SliceRegion& region = job.region;
             std::vector<std::int32_t>& row = map_of_[region.structure];
             if (row.empty()) row.assign(set.slices.size(), empty_knot);
             row[region.slice] = static_cast<std::int32_t>(jobs.size());
-            jobs.push_back(&region);
+            jobs.push_back(&job);
             slice_of_map_.push_back(region.slice);
+            taken_over_.maps_taken += job.map != nullptr;
+            fingerprints_.push_back(job.fingerprint);
+        }
+    }
+    // Equal outlines, as of a copy on the next slice, have one map.
+    std::vector<std::size_t> first_of(jobs.size());
+    std::map<std::uint64_t, std::vector<std::size_t>> by_fingerprint;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        first_of[i] = i;
+        if (jobs[i]->map || jobs[i]->region.structure == none) continue;
+        std::vector<std::size_t>& alike = by_fingerprint[jobs[i]->fingerprint];
+        const auto same = std::find_if(alike.begin(), alike.end(), [&](std::size_t n) {
+            return have_equal_bits(jobs[n]->region.edges, jobs[i]->region.edges);
+        });
+        if (same != alike.end()) {
+            first_of[i] = *same;
+        } else {
+            alike.push_back(i);
         }
     }
     maps_.resize(jobs.size());
+    taken_over_.maps = jobs.size();
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && !context.cancelled(); ++i) {
-            maps_[i].emplace(std::move(jobs[i]->edges), clamp_);
+            if (first_of[i] != i) continue;
+            maps_[i] = jobs[i]->map
+                           ? jobs[i]->map
+                           : std::make_shared<const DistanceMap>(std::move(jobs[i]->region.edges), clamp_);
         }
     });
     if (context.cancelled()) return cancelled_error();
+    for (std::size_t i = 0; i < maps_.size(); ++i) maps_[i] = maps_[first_of[i]];
     return Nothing{};
+}
+
+namespace {
+
+// The fields of parallel slices among the parts of a field, or it itself.
+std::vector<const ParallelField*> parallel_parts(const StructureField* whole) {
+    std::vector<const ParallelField*> found;
+    std::vector<const StructureField*> open;
+    if (whole != nullptr) open.push_back(whole);
+    while (!open.empty()) {
+        const StructureField* field = open.back();
+        open.pop_back();
+        for (const StructureField* part : field->parts()) open.push_back(part);
+        if (const auto* parallel = dynamic_cast<const ParallelField*>(field)) found.push_back(parallel);
+    }
+    return found;
+}
+
+}  // namespace
+
+// Maps and gaps of fields made earlier by the same rules.
+void ParallelField::look_at_earlier(const StructureField* earlier) {
+    for (const ParallelField* field : parallel_parts(earlier)) {
+        if (field->clamp_ == clamp_ && field->partition_ == partition_) earlier_.push_back(field);
+    }
+    std::vector<EarlierMaps::Entry> entries;
+    for (std::uint32_t f = 0; f < earlier_.size(); ++f) {
+        const ParallelField& field = *earlier_[f];
+        for (std::uint32_t m = 0; m < field.maps_.size(); ++m) {
+            if (field.map_of_.back().empty() ||
+                field.map_of_.back()[field.slice_of_map_[m]] != static_cast<std::int32_t>(m))
+                entries.push_back({field.fingerprints_[m], field.maps_[m].get(), f, m});
+        }
+    }
+    earlier_maps_ = EarlierMaps(std::move(entries));
 }
 
 void ParallelField::build_structure_stacks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
@@ -226,26 +217,79 @@ void ParallelField::add_terminations_to_union(std::size_t i) {
     }
 }
 
+// The gaps of earlier fields, by the maps that they lie between.
+std::vector<ParallelField::GapEntry> ParallelField::earlier_gaps() const {
+    std::vector<GapEntry> gaps;
+    for (const ParallelField* field : earlier_) {
+        const auto add = [&](const StructureStack& stack) {
+            for (std::size_t i = 0; i < stack.pair_count(); ++i) {
+                const StructureStack::Pair pair = stack.pair(i);
+                if (pair.below == empty_knot || pair.above == empty_knot) continue;
+                gaps.push_back({field->maps_[static_cast<std::size_t>(pair.below)].get(),
+                                field->maps_[static_cast<std::size_t>(pair.above)].get(),
+                                {&stack, &field->maps_, i}});
+            }
+        };
+        for (const StructureStack& stack : field->structure_stacks_) add(stack);
+        add(field->union_);
+    }
+    std::stable_sort(gaps.begin(), gaps.end(),
+                     [](const GapEntry& a, const GapEntry& b) { return before(a, b); });
+    return gaps;
+}
+
 Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
-    std::vector<std::pair<StructureStack*, std::size_t>> jobs;
-    const auto add = [&](StructureStack& structure_stack) {
-        for (std::size_t i = 0; i < structure_stack.pair_count(); ++i) jobs.emplace_back(&structure_stack, i);
+    struct Job {
+        StructureStack* stack;
+        std::size_t gap;
+        bool is_drawn;  // on both sides
+        std::span<const GapEntry> earlier = {};
+        bool is_taken = false;
+    };
+    const std::vector<GapEntry> gaps = earlier_gaps();
+    std::vector<Job> jobs;
+    const auto add = [&](StructureStack& stack) {
+        for (std::size_t i = 0; i < stack.pair_count(); ++i) {
+            const StructureStack::Pair pair = stack.pair(i);
+            Job job{&stack, i, pair.below != empty_knot && pair.above != empty_knot};
+            if (job.is_drawn && !gaps.empty()) {
+                const GapEntry key{maps_[static_cast<std::size_t>(pair.below)].get(),
+                                   maps_[static_cast<std::size_t>(pair.above)].get(),
+                                   {}};
+                const auto [first, last] = std::equal_range(gaps.begin(), gaps.end(), key, before);
+                job.earlier = std::span(first, last);
+            }
+            jobs.push_back(job);
+        }
     };
     for (StructureStack& structure_stack : structure_stacks_) add(structure_stack);
     add(union_);
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
+            const Job& job = jobs[j];
+            if (std::any_of(job.earlier.begin(), job.earlier.end(), [&](const GapEntry& entry) {
+                    return job.stack->take_terminations(job.gap, maps_, entry.gap);
+                }))
+                continue;
             // In a partition a part ends where what it touches begins.
-            jobs[j].first->find_terminations(jobs[j].second, maps_, clamp_, !partition_);
-            if (jobs[j].first == &union_) add_terminations_to_union(jobs[j].second);
+            job.stack->find_terminations(job.gap, maps_, clamp_, !partition_);
+            if (job.stack == &union_) add_terminations_to_union(job.gap);
         }
     });
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
-            jobs[j].first->find_motion(jobs[j].second, maps_);
+            Job& job = jobs[j];
+            job.is_taken = std::any_of(job.earlier.begin(), job.earlier.end(), [&](const GapEntry& entry) {
+                return job.stack->take_motion(job.gap, maps_, entry.gap);
+            });
+            if (!job.is_taken) job.stack->find_motion(job.gap, maps_);
         }
     });
     if (context.cancelled()) return cancelled_error();
+    for (const Job& job : jobs) {
+        taken_over_.gaps += job.is_drawn;
+        taken_over_.gaps_taken += job.is_taken;
+    }
     warn_about_jumps(set, structure_stacks_, slice_of_map_, context);
     warn_about_ambiguities(set, structure_stacks_, slice_of_map_, frame_, context);
     return Nothing{};
@@ -303,6 +347,7 @@ void ParallelField::build_box() {
 Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterval>& intervals,
                             const std::vector<FewSlices>& few, const FieldOptions& options,
                             RunContext& context) {
+    look_at_earlier(options.earlier.get());
     ANATOMESH_CHECK_STATUS(build_maps(set, context));
     if (maps_.empty()) {
         return Error{ErrorKind::geometry,
@@ -313,152 +358,18 @@ Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterv
     }
     build_structure_stacks(set, intervals, few, options, context);
     ANATOMESH_CHECK_STATUS(find_motions(set, context));
+    earlier_.clear();
+    earlier_maps_ = {};
     build_near_table();
     build_box();
     return Nothing{};
 }
 
-// Whether no other structure reaches the column over q between two knots.
-bool ParallelField::is_alone(std::uint32_t structure, const StructureStack::Pair& pair, Vec2 q) const {
-    const double last = static_cast<double>(bucket_begin_.size() - 2);
-    const auto from =
-        static_cast<std::size_t>(std::clamp((pair.below_high - low_) * inverse_bucket_, 0.0, last));
-    const auto to =
-        static_cast<std::size_t>(std::clamp((pair.above_low - low_) * inverse_bucket_, 0.0, last));
-    return std::none_of(
-        near_.begin() + bucket_begin_[from], near_.begin() + bucket_begin_[to + 1],
-        [&](const NearEntry& entry) { return entry.structure != structure && entry.box.contains(q); });
-}
+namespace {
 
-// The share of the column over q between two knots that is inside, less what slice integration gives it: a
-// half for each knot on which q is inside. The column is `step` wide, the lattice's.
-double ParallelField::inside_share(std::uint32_t structure, const StructureStack::Pair& pair, Vec2 q,
-                                   double step) const {
-    const auto distance = [&](std::int32_t map) {
-        return map == empty_knot ? clamp_ : maps_[static_cast<std::size_t>(map)]->value(q);
-    };
-    const double a = distance(pair.below), b = distance(pair.above);
-    const double rest_a = pair.rest[0] ? pair.rest[0]->value(q) : a,
-                 rest_b = pair.rest[1] ? pair.rest[1]->value(q) : b;
-    // Where the boundary is further away on both knots than it moves and curves between them, nothing changes.
-    const double nearest = std::min(std::abs(a), std::abs(b));
-    const bool alike =
-        (a < 0) == (b < 0) && (a < 0) == (rest_a < 0) && (b < 0) == (rest_b < 0) && (a < 0 || !partition_);
-    if (alike && nearest > 0.99 * clamp_) return 0;
-    const double gap = pair.above_low - pair.below_high;
-    const SliceMotion::Path path = pair.motion->at(q, 0.5);
-    const double move = std::min(2 * length(path.move), pair.motion->max_move());
-    const double correction = std::min({2 * SliceMotion::largest_correction(path),
-                                        pair.motion->max_correction(), 10 * most_correction * gap});
-    // Neighbours share what is between them by counted sections, so there a column is a line.
-    const Strip column{partition_ || pair.below == empty_knot || pair.above == empty_knot ? 0 : step};
-    if (alike && nearest > move + correction + 0.5 * column.width) return 0;
-    const double by_slices = 0.5 * (column.inside(a) + column.inside(b));
-    if (!partition_ || is_alone(structure, pair, q)) {
-        if (pair.below == empty_knot || pair.above == empty_knot)
-            return pair.rounded ? rounded_height(std::min(a, b), 0.5 * gap) / gap - by_slices : 0;
-        const Vec3 foot = frame_.to_space(q) + pair.below_high * frame_.normal;
-        std::array<double, most_parts + 1> values{rest_a};
-        std::size_t parts = correction > much_curved * gap ? 8 : 4;
-        while (pair.motion->is_aligned() && parts < most_parts &&
-               length(path.move) > moved_in_a_part * gap * static_cast<double>(parts))
-            parts *= 2;
-        for (std::size_t k = 1; k < parts; ++k) {
-            const double z = static_cast<double>(k) * gap / static_cast<double>(parts);
-            const Vec3 p = foot + z * frame_.normal;
-            values[k] = structure_stacks_[structure].blend(
-                maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p), everywhere, nullptr, false);
-        }
-        values[parts] = rest_b;
-        std::array<double, 2> halves = inside_halves(column, std::span(values).first(parts + 1));
-        for (const bool is_void : {true, false}) {
-            for (const Termination& lone : *pair.terminations) {
-                if (lone.is_void != is_void || !lone.box.contains(q)) continue;
-                const double d = lone.map.value(q);
-                const std::array<double, 2> parts_of = lone.filled(d, gap, pair.rounded, column.inside(d));
-                for (const std::size_t n : {0u, 1u}) {
-                    double& half = halves[lone.from_below ? n : 1 - n];
-                    half = is_void ? std::min(half, 1 - parts_of[n]) : std::max(half, parts_of[n]);
-                }
-            }
-        }
-        return 0.5 * (halves[0] + halves[1]) - by_slices;
-    }
-    if (std::min(a, b) > 0.25 * clamp_ + move + correction)
-        return 0;  // what others leave between them is thinner
-    // What structures keep between two slices is counted on so many sections of the gap. [sections; >= 1; B]
-    constexpr int sections = 12;
-    int inside = 0;
-    std::vector<std::uint32_t> owners;
-    const Vec3 foot = frame_.to_space(q);
-    for (int k = 0; k < sections; ++k) {
-        const double z = pair.below_high + (k + 0.5) / sections * gap;
-        members(foot + z * frame_.normal, owners);
-        inside += !owners.empty() && owners.front() == structure;
-    }
-    return static_cast<double>(inside) / sections - by_slices;
-}
-
-StructureVolume ParallelField::pair_volume(std::uint32_t structure, const StructureStack::Pair& pair,
-                                           double points, std::size_t layer) const {
-    const double gap = pair.above_low - pair.below_high;
-    if (structure_stacks_[structure].beyond_flat_cap(0.5 * (pair.below_high + pair.above_low)) > 0) return {};
-    double area = 0, thickness = 0;
-    Box2 box;
-    for (const std::int32_t map : {pair.below, pair.above}) {
-        if (map == empty_knot) continue;
-        const DistanceMap& drawn = *maps_[static_cast<std::size_t>(map)];
-        area += 0.5 * drawn.area();
-        box.extend(drawn.region_box().low);
-        box.extend(drawn.region_box().high);
-        if (map == pair.below) thickness = drawn.area() * (pair.below_high - pair.below_low);
-    }
-    StructureVolume volume{gap * area + thickness, gap * area + thickness};
-    const bool is_prism = !pair.rounded && (pair.below == empty_knot || pair.above == empty_knot);
-    if (box.empty() || (!partition_ && is_prism)) return volume;
-    box = box.grown(pair.motion->max_move() +
-                    std::min(pair.motion->max_correction(), 10 * most_correction * gap) +
-                    (partition_ ? 0.25 * clamp_ : 0));
-    const double correction = lattice_integral(
-        box, points, layer, [&](Vec2 q, double step) { return inside_share(structure, pair, q, step); });
-    volume.by_field += gap * correction;
-    if (pair.below != empty_knot && pair.above != empty_knot) {
-        const auto drawn = [&](std::int32_t map) { return maps_[static_cast<std::size_t>(map)]->area(); };
-        const double taper = std::sqrt(drawn(pair.below)) - std::sqrt(drawn(pair.above));
-        volume.unexplained = gap * (correction - std::clamp(correction, -taper * taper / 6, 0.0));
-    }
-    return volume;
-}
-
-Result<std::vector<StructureVolume>> ParallelField::volumes(std::uint32_t count, const VolumeOptions& options,
-                                                            RunContext& context) const {
-    struct Job {
-        std::uint32_t structure;
-        StructureStack::Pair pair;
-        StructureVolume volume;
-    };
-    std::vector<Job> jobs;
-    for (std::uint32_t s = 0; s < std::min<std::size_t>(count, structure_stacks_.size()); ++s) {
-        for (std::size_t i = 0; i < structure_stacks_[s].pair_count(); ++i)
-            jobs.push_back({s, structure_stacks_[s].pair(i), {}});
-    }
-    const double points =
-        std::min<double>(options.points_per_slab,
-                         std::max(4000.0, options.points_in_slabs / static_cast<double>(jobs.size() + 1)));
-    parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
-            jobs[j].volume = pair_volume(jobs[j].structure, jobs[j].pair, points, j);
-        }
-    });
-    if (context.cancelled()) return cancelled_error();
-    std::vector<StructureVolume> totals(count);
-    for (const Job& job : jobs) {
-        totals[job.structure].by_field += job.volume.by_field;
-        totals[job.structure].by_slices += job.volume.by_slices;
-        totals[job.structure].unexplained += job.volume.unexplained;
-    }
-    return totals;
-}
+// The clamp follows a spacing rounded to this, because vertices lie off oblique planes by rounding: else each edit of an
+// outline would change the clamp, and no map of another slice could be taken over. [mm; 2^-30 to 2^-10; D rounding]
+constexpr double spacing_grain_mm = 0x1p-20;
 
 double median_gap(const std::vector<SliceInterval>& intervals) {
     std::vector<double> gaps;
@@ -471,6 +382,17 @@ double median_gap(const std::vector<SliceInterval>& intervals) {
 }
 
 }  // namespace
+
+TakenOver taken_over_by(const StructureField& field) {
+    TakenOver sum;
+    for (const ParallelField* part : parallel_parts(&field)) {
+        sum.maps += part->taken_over().maps;
+        sum.maps_taken += part->taken_over().maps_taken;
+        sum.gaps += part->taken_over().gaps;
+        sum.gaps_taken += part->taken_over().gaps_taken;
+    }
+    return sum;
+}
 
 Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourSet& set,
                                                                   const FieldOptions& options,
@@ -495,7 +417,9 @@ Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourS
     std::vector<bool> used(set.structures.size(), false);
     for (const Contour& contour : set.contours) used[contour.structure] = true;
     const bool several = std::count(used.begin(), used.end(), true) > 1;
-    const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 1.5 * spacing;
+    const double rounded =
+        std::max(spacing_grain_mm * std::round(spacing / spacing_grain_mm), spacing_grain_mm);
+    const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 1.5 * rounded;
     auto field = std::make_shared<ParallelField>(frame, spacing, clamp, set.exclusive && several);
     ANATOMESH_CHECK_STATUS(field->build(set, intervals, few, options, context));
     return std::shared_ptr<const StructureField>(std::move(field));

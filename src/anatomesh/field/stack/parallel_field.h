@@ -1,11 +1,25 @@
 // The structure field of parallel slices. Reached through make_structure_field().
 #pragma once
 
+#include <cstddef>
+#include <memory>
+
 #include "anatomesh/field/model/structure_field.h"
 
 namespace anatomesh {
 
+// How much of a field comes from an earlier one (FieldOptions::earlier).
+struct TakenOver {
+    std::size_t maps = 0, maps_taken = 0;  // distance maps of slices
+    std::size_t gaps = 0, gaps_taken = 0;  // between two slices that both draw the structure
+};
+
+// Of all fields of parallel slices that a field is put together from.
+TakenOver taken_over_by(const StructureField& field);
+
 // Requires: parallel slices, at least one contour. See make_structure_field() and docs/stages/05-field.md.
+// FieldOptions::earlier saves all but what changed: maps of new outlines, motions between slices of which one of the
+// next two on either side is new, and what is linear in the points.
 Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourSet& set,
                                                                   const FieldOptions& options,
                                                                   RunContext& context);

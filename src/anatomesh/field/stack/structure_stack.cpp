@@ -34,10 +34,8 @@ StructureStack::StructureStack(StructureKnots knots, const std::vector<std::int3
         knots_.push_back(
             {knot.low, knot.high, knot.slice == SliceKnot::no_slice ? empty_knot : map_of_slice[knot.slice]});
     }
-    motions_.resize(knots_.size() - 1);
-    terminations_.resize(knots_.size() - 1);
-    terminating_boxes_.resize(knots_.size() - 1);
-    rest_.resize(knots_.size() - 1);
+    motions_.assign(knots_.size() - 1, std::make_shared<const SliceMotion>());
+    for (std::size_t i = 0; i + 1 < knots_.size(); ++i) ends_.push_back(std::make_shared<GapEnds>());
     is_flat_ = std::any_of(flat_.begin(), flat_.end(), [](const auto& e) { return std::isfinite(e.low); });
     const double length = high() - low();
     buckets_.resize(4 * knots_.size());
@@ -93,8 +91,8 @@ void StructureStack::add_paraboloid_caps(std::size_t i, std::vector<TerminatingC
         if (!is_capped[p]) others.push_back(std::move(parts[p]));
     }
     parts = std::move(others);
-    std::move(capped.begin(), capped.end(), std::back_inserter(terminations_[i]));
-    rest_[i][from_below ? 0 : 1] = std::make_unique<DistanceMap>(std::move(rest), clamp);
+    std::move(capped.begin(), capped.end(), std::back_inserter(ends_[i]->terminations));
+    ends_[i]->rest[from_below ? 0 : 1] = std::make_unique<DistanceMap>(std::move(rest), clamp);
 }
 
 void StructureStack::add_terminations(std::size_t i, const std::vector<TerminatingComponent>& parts,
@@ -107,7 +105,7 @@ void StructureStack::add_terminations(std::size_t i, const std::vector<Terminati
         if (edges.empty()) continue;
         DistanceMap map(std::move(edges), clamp);
         const Box2 box = map.box();
-        terminations_[i].push_back({std::move(map), box, from_below, is_void, {}});
+        ends_[i]->terminations.push_back({std::move(map), box, from_below, is_void, {}});
     }
     sort_terminations(i);
 }
@@ -120,21 +118,53 @@ void StructureStack::find_motion(std::size_t i, const Maps& maps) {
     if (map_at(i + 2, maps)) further_above = {map_at(i + 2, maps), gap(i + 1), {}};
     // Where what ends is the nearest, the slice beyond says nothing about how a path curves.
     const auto add_ends = [&](std::size_t pair, bool from_below, SliceMotion::Beyond& beyond) {
-        for (const Termination& lone : terminations_[pair]) {
+        for (const Termination& lone : ends_[pair]->terminations) {
             if (lone.from_below == from_below) beyond.ending.push_back(&lone.map);
         }
     };
     if (further_below.map != nullptr) add_ends(i - 1, false, further_below);
     if (further_above.map != nullptr) add_ends(i + 1, true, further_above);
-    motions_[i] = SliceMotion(*below, *above, gap(i), further_below, further_above);
+    motions_[i] = std::make_shared<const SliceMotion>(*below, *above, gap(i), further_below, further_above);
+}
+
+// The knots of the gap and those beside them have the same maps, at the same distances.
+bool StructureStack::has_surroundings_of(std::size_t i, const Maps& maps, const EarlierGap& earlier) const {
+    const StructureStack& other = *earlier.stack;
+    const std::size_t j = earlier.i;
+    for (const std::ptrdiff_t step : {-1, 0, 1, 2}) {
+        const std::size_t here = i + static_cast<std::size_t>(step),
+                          there = j + static_cast<std::size_t>(step);
+        if (map_at(here, maps) != other.map_at(there, *earlier.maps)) return false;
+    }
+    return is_flat_ == other.is_flat_ && gap(i) == other.gap(j) &&
+           (map_at(i - 1, maps) == nullptr || gap(i - 1) == other.gap(j - 1)) &&
+           (map_at(i + 2, maps) == nullptr || gap(i + 1) == other.gap(j + 1));
+}
+
+bool StructureStack::take_terminations(std::size_t i, const Maps& maps, const EarlierGap& earlier) {
+    if (!has_surroundings_of(i, maps, earlier)) return false;
+    ends_[i] = earlier.stack->ends_[earlier.i];
+    return true;
+}
+
+bool StructureStack::take_motion(std::size_t i, const Maps& maps, const EarlierGap& earlier) {
+    const StructureStack& other = *earlier.stack;
+    const std::size_t j = earlier.i;
+    // What ends in the gaps beside it has a say in its paths.
+    if (!has_surroundings_of(i, maps, earlier) ||
+        (map_at(i - 1, maps) != nullptr && ends_[i - 1] != other.ends_[j - 1]) ||
+        (map_at(i + 2, maps) != nullptr && ends_[i + 1] != other.ends_[j + 1]))
+        return false;
+    motions_[i] = other.motions_[j];
+    return true;
 }
 
 // Holes before pieces, and their boxes.
 void StructureStack::sort_terminations(std::size_t i) {
-    std::vector<Termination>& ends = terminations_[i];
+    std::vector<Termination>& ends = ends_[i]->terminations;
     std::stable_partition(ends.begin(), ends.end(), [](const Termination& lone) { return lone.is_void; });
-    terminating_boxes_[i].clear();
-    for (const Termination& lone : ends) terminating_boxes_[i].push_back(lone.box);
+    ends_[i]->boxes.clear();
+    for (const Termination& lone : ends) ends_[i]->boxes.push_back(lone.box);
 }
 
 ANATOMESH_CLONES double StructureStack::blend(const Maps& maps, double clamp, Vec2 q, double z, double reach,
@@ -164,15 +194,16 @@ ANATOMESH_CLONES double StructureStack::blend(const Maps& maps, double clamp, Ve
         // not tie there.
         return *end > 0 ? std::max(value, *end) : value;
     }
-    const SliceMotion::Path path = motions_[i].at(q, t);
+    const SliceMotion::Path path = motions_[i]->at(q, t);
     const Vec2 from = q - t * path.move, to = q + (1 - t) * path.move;
-    const auto& rest = rest_[i];
+    const GapEnds& ends = *ends_[i];
+    const auto& rest = ends.rest;
     const DistanceMap &a = rest[0] ? *rest[0] : *maps[static_cast<std::size_t>(below.map)],
                       &b = rest[1] ? *rest[1] : *maps[static_cast<std::size_t>(above.map)];
     const std::uint32_t at_a = a.place(from), at_b = b.place(to);
     a.prefetch(at_a);
     b.prefetch(at_b);
-    const std::size_t lone = first_termination(i, q), terminating_count = terminating_boxes_[i].size();
+    const std::size_t lone = first_termination(i, q), terminating_count = ends.boxes.size();
     if (reach < clamp && (lone == terminating_count || !is_near_termination(i, lone, q, clamp))) {
         // A weighted mean of two distances is not below the smaller one.
         const DistanceMap::Bound in_a = a.bound(at_a), in_b = b.bound(at_b);
@@ -190,10 +221,10 @@ ANATOMESH_CLONES double StructureStack::blend(const Maps& maps, double clamp, Ve
 }
 
 bool StructureStack::is_near_termination(std::size_t i, std::size_t first, Vec2 q, double clamp) const {
-    const std::vector<Box2>& boxes = terminating_boxes_[i];
+    const std::vector<Box2>& boxes = ends_[i]->boxes;
     for (std::size_t n = first; n < boxes.size(); ++n) {
         if (!boxes[n].contains(q)) continue;
-        const DistanceMap::Bound bound = terminations_[i][n].map.bound(q);
+        const DistanceMap::Bound bound = ends_[i]->terminations[n].map.bound(q);
         if (bound.sign <= 0 || bound.at_least < clamp) return true;
     }
     return false;
@@ -203,10 +234,10 @@ bool StructureStack::is_near_termination(std::size_t i, std::size_t first, Vec2 
 double StructureStack::with_terminations(std::size_t i, std::size_t first, Vec2 q, double t, double clamp,
                                          double value, double* end) const {
     const double gap = this->gap(i);
-    const std::vector<Box2>& boxes = terminating_boxes_[i];
+    const std::vector<Box2>& boxes = ends_[i]->boxes;
     for (std::size_t n = first; n < boxes.size(); ++n) {
         if (!boxes[n].contains(q)) continue;
-        const Termination& lone = terminations_[i][n];
+        const Termination& lone = ends_[i]->terminations[n];
         const double away = lone.from_below ? t : 1 - t, d = lone.map.value(q);
         const double ends = std::clamp(lone.value(d, away, gap, rounded_), -clamp, clamp);
         value = lone.is_void ? std::max(value, -ends) : std::min(value, ends);

@@ -76,11 +76,20 @@ struct Termination {
     }
 };
 
+// What ends between two neighbouring knots.
+struct GapEnds {
+    std::vector<Termination> terminations;  // holes before pieces
+    std::vector<Box2> boxes;                // theirs: most points are in none
+    // The regions of the lower and the upper knot without the parts that end in paraboloid caps; null: no such parts.
+    std::array<std::unique_ptr<const DistanceMap>, 2> rest;
+};
+
 // A structure along the normal: its knots, each with its distance map, and a table from position to knot.
-// Immutable after build; queries are const and thread-safe.
+// Immutable after build; queries are const and thread-safe. What lies between two knots is shared with stacks made later
+// that have the same there.
 class StructureStack {
   public:
-    using Maps = std::vector<std::optional<DistanceMap>>;
+    using Maps = std::vector<std::shared_ptr<const DistanceMap>>;
 
     StructureStack() = default;
     StructureStack(StructureKnots knots, const std::vector<std::int32_t>& map_of_slice, bool rounded);
@@ -123,7 +132,19 @@ class StructureStack {
     // How the structure moves between knots i and i + 1; both must be drawn, else nothing happens. Requires:
     // find_terminations() for all knots.
     void find_motion(std::size_t i, const Maps& maps);
-    const SliceMotion& motion(std::size_t i) const { return motions_[i]; }
+    const SliceMotion& motion(std::size_t i) const { return *motions_[i]; }
+
+    // A gap of a stack that was made earlier, with the maps of its field.
+    struct EarlierGap {
+        const StructureStack* stack;
+        const Maps* maps;
+        std::size_t i;
+    };
+    // Both take over what lies in the earlier gap, instead of finding it, where all that it is found from is the same:
+    // maps, by their addresses, and distances. Return whether they did.
+    bool take_terminations(std::size_t i, const Maps& maps, const EarlierGap& earlier);
+    // Requires: all terminations are found or taken.
+    bool take_motion(std::size_t i, const Maps& maps, const EarlierGap& earlier);
 
     // Two neighbouring knots as the maps drawn there (empty_knot: none) and the positions they reach.
     struct Pair {
@@ -137,10 +158,15 @@ class StructureStack {
         bool rounded;  // how it ends where one of them is empty
     };
     Pair pair(std::size_t i) const {
-        return {
-            knots_[i].map,     knots_[i + 1].map, knots_[i].low,     knots_[i].high,
-            knots_[i + 1].low, &motions_[i],      &terminations_[i], {rest_[i][0].get(), rest_[i][1].get()},
-            rounded_};
+        return {knots_[i].map,
+                knots_[i + 1].map,
+                knots_[i].low,
+                knots_[i].high,
+                knots_[i + 1].low,
+                motions_[i].get(),
+                &ends_[i]->terminations,
+                {ends_[i]->rest[0].get(), ends_[i]->rest[1].get()},
+                rounded_};
     }
 
     // Calls body(z from, z to, map, how far the structure moves beside it) for the stretch of the axis on
@@ -151,8 +177,8 @@ class StructureStack {
             if (knots_[i].map == empty_knot) continue;
             body(i > 0 ? knots_[i - 1].high : low(), i + 1 < knots_.size() ? knots_[i + 1].low : high(),
                  static_cast<std::size_t>(knots_[i].map),
-                 std::max(i > 0 ? motions_[i - 1].max_move() : 0.0,
-                          i < motions_.size() ? motions_[i].max_move() : 0.0));
+                 std::max(i > 0 ? motions_[i - 1]->max_move() : 0.0,
+                          i < motions_.size() ? motions_[i]->max_move() : 0.0));
         }
     }
 
@@ -164,9 +190,10 @@ class StructureStack {
 
     const DistanceMap* map_at(std::size_t knot, const Maps& maps) const {
         return knot < knots_.size() && knots_[knot].map != empty_knot
-                   ? &*maps[static_cast<std::size_t>(knots_[knot].map)]
+                   ? maps[static_cast<std::size_t>(knots_[knot].map)].get()
                    : nullptr;
     }
+    bool has_surroundings_of(std::size_t i, const Maps& maps, const EarlierGap& earlier) const;
     double gap(std::size_t i) const { return knots_[i + 1].low - knots_[i].high; }
     // Takes those out of `parts`, of knot i or i + 1, that end in paraboloid caps.
     void add_paraboloid_caps(std::size_t i, std::vector<TerminatingComponent>& parts, bool from_below,
@@ -174,7 +201,7 @@ class StructureStack {
     // Of the parts that end between knots i and i + 1, the first whose box holds q; their number if none
     // does.
     std::size_t first_termination(std::size_t i, Vec2 q) const {
-        const std::vector<Box2>& boxes = terminating_boxes_[i];
+        const std::vector<Box2>& boxes = ends_[i]->boxes;
         std::size_t n = 0;
         while (n < boxes.size() && !boxes[n].contains(q)) ++n;
         return n;
@@ -186,12 +213,9 @@ class StructureStack {
     void sort_terminations(std::size_t i);
 
     std::vector<Known> knots_;
-    std::vector<SliceMotion> motions_;                    // between a knot and the next
-    std::vector<std::vector<Termination>> terminations_;  // the same, holes before pieces
-    std::vector<std::vector<Box2>> terminating_boxes_;    // theirs: most points are in none
-    // The same: the regions of a knot and the next without the parts that end in paraboloid caps between
-    // them.
-    std::vector<std::array<std::unique_ptr<const DistanceMap>, 2>> rest_;
+    // Between a knot and the next; never null.
+    std::vector<std::shared_ptr<const SliceMotion>> motions_;
+    std::vector<std::shared_ptr<GapEnds>> ends_;
     std::vector<StructureKnots::Extent> flat_;
     std::vector<std::uint32_t> buckets_;
     double inverse_bucket_ = 0;

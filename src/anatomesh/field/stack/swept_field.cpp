@@ -55,6 +55,7 @@ class SweptField final : public StructureField {
     }
     double slice_spacing() const override { return in_chart_->slice_spacing(); }
     double clamp() const override { return in_chart_->clamp(); }
+    std::vector<const StructureField*> parts() const override { return {in_chart_.get()}; }
     Box3 box() const override { return box_; }
     Box3 box_of(std::uint32_t structure) const override { return boxes_[structure]; }
 

@@ -1,0 +1,278 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
+#include "anatomesh/field/stack/earlier_maps.h"
+#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/geom/plane.h"
+
+namespace anatomesh::earlier_field_test {
+namespace {
+
+using namespace fixtures;
+
+enum class Lie { even, uneven, tilted, sweep, fan };
+
+// What is drawn of a structure on a slice: 0 nothing, else the seed of its outlines.
+struct Drawing {
+    std::vector<Plane> planes;
+    std::vector<std::vector<std::uint32_t>> seeds;  // by slice, then structure
+    bool exclusive = false;
+};
+
+Drawing random_drawing(Lie lie, bool exclusive, std::mt19937& random) {
+    Drawing drawing;
+    drawing.exclusive = exclusive;
+    const std::size_t slices = 7 + random() % 6, structures = exclusive ? 2 : 1 + random() % 3;
+    const Plane axis = make_plane({}, {0, 0, 1});
+    double z = 0;
+    for (std::size_t k = 0; k < slices; ++k) {
+        const double share = static_cast<double>(k) / static_cast<double>(slices);
+        Plane plane = axial(z);
+        if (lie == Lie::tilted) plane = make_plane({0.3 * z, 0, z}, {0.3, 0.2, 1});
+        if (lie == Lie::sweep) plane = make_plane({0, 0, z}, {0.02 * static_cast<double>(k), 0, 1});
+        if (lie == Lie::fan)
+            plane = make_plane({}, std::cos(M_PI * share) * axis.v - std::sin(M_PI * share) * axis.u);
+        drawing.planes.push_back(plane);
+        z += lie == Lie::uneven ? 2 + 0.125 * (random() % 24) : 3;  // sums of these are exact
+        std::vector<std::uint32_t> seeds;
+        for (std::size_t s = 0; s < structures; ++s)
+            seeds.push_back(k > 1 && random() % 8 == 0 ? 0 : 1 + random() % 1000000);
+        for (std::size_t s = 0; s < structures; ++s)  // a copy of the slice before
+            if (k > 1 && random() % 6 == 0) seeds[s] = drawing.seeds.back()[s];
+        drawing.seeds.push_back(seeds);
+    }
+    return drawing;
+}
+
+// Stars that change little from slice to slice; some of two parts, or with a hole.
+void draw(std::uint32_t structure, std::uint32_t seed, SetBuilder& builder) {
+    std::mt19937 random(seed);
+    const Vec2 middle{6.0 * structure + 0.001 * (random() % 2000), 0.001 * (random() % 2000)};
+    switch (random() % 4) {
+        case 0:
+            builder.ring(structure, star(middle - Vec2{6, 0}, 3, 4, 16, random));
+            builder.ring(structure, star(middle + Vec2{6, 0}, 3, 4, 16, random));
+            break;
+        case 1:
+            builder.ring(structure, star(middle, 9, 11, 32, random));
+            builder.ring(structure, reversed(star(middle, 3, 4, 16, random)));
+            break;
+        default:
+            builder.ring(structure, star(middle, 9, 11, 32, random));
+    }
+}
+
+// Two halves of a star with a wall in common.
+void draw_halves(const std::vector<std::uint32_t>& seeds, SetBuilder& builder) {
+    if (seeds[0] == 0 && seeds[1] == 0) return;
+    std::mt19937 random(std::max(seeds[0], seeds[1]));
+    const Ring whole = star({0.001 * (random() % 2000), 0}, 9, 11, 32, random);
+    if (seeds[0] != 0) builder.ring(0, Ring(whole.begin(), whole.begin() + 17));
+    if (seeds[1] == 0) return;
+    Ring other(whole.begin() + 16, whole.end());
+    other.push_back(whole.front());
+    builder.ring(1, other);
+}
+
+ContourSet set_of(const Drawing& drawing) {
+    SetBuilder builder(drawing.exclusive);
+    for (std::size_t k = 0; k < drawing.planes.size(); ++k) {
+        builder.slice(drawing.planes[k]);
+        if (drawing.exclusive) {
+            draw_halves(drawing.seeds[k], builder);
+            continue;
+        }
+        for (std::uint32_t s = 0; s < drawing.seeds[k].size(); ++s)
+            if (drawing.seeds[k][s] != 0) draw(s, drawing.seeds[k][s], builder);
+    }
+    while (builder.set.structures.size() < drawing.seeds[0].size())
+        builder.set.structures.push_back(
+            {static_cast<std::int32_t>(builder.set.structures.size()) + 1, "late", {200, 200, 200}});
+    return builder.set;
+}
+
+struct Made {
+    std::shared_ptr<const StructureField> field;
+    std::vector<Warning> warnings;
+};
+
+Made made(const ContourSet& set, const FieldOptions& options, int threads = 1) {
+    RunContext context;
+    context.threads = threads;
+    auto field = make_structure_field(set, options, context);
+    EXPECT_TRUE(field.ok()) << to_line(field.error());
+    return {field.value(), context.warnings};
+}
+
+// Values, regions and unions at places in and about the box.
+void expect_same(const StructureField& a, const StructureField& b, std::uint32_t structures, int places,
+                 std::mt19937& random) {
+    const Box3 box = b.box();
+    std::uniform_real_distribution<double> unit(-0.05, 1.05);
+    std::vector<std::uint32_t> in_a, in_b;
+    ASSERT_EQ(a.clamp(), b.clamp());
+    ASSERT_EQ(a.box().low, box.low);
+    ASSERT_EQ(a.box().high, box.high);
+    for (int n = 0; n < places; ++n) {
+        const Vec3 size = box.high - box.low;
+        const Vec3 p = box.low + Vec3{unit(random) * size.x, unit(random) * size.y, unit(random) * size.z};
+        for (std::uint32_t s = 0; s < structures; ++s) ASSERT_EQ(a.value(s, p), b.value(s, p)) << n;
+        ASSERT_EQ(a.union_value(p), b.union_value(p));
+        a.members(p, in_a);
+        b.members(p, in_b);
+        ASSERT_EQ(in_a, in_b);
+    }
+}
+
+void edit(Drawing& drawing, std::mt19937& random) {
+    const std::size_t slice = random() % drawing.planes.size();
+    std::vector<std::uint32_t>& seeds = drawing.seeds[slice];
+    std::uint32_t& seed = seeds[random() % seeds.size()];
+    switch (random() % 6) {
+        case 0:
+            if (slice > 1) seed = 0;
+            break;
+        case 1:
+            drawing.planes[slice].origin = drawing.planes[slice].origin + 0.3 * drawing.planes[slice].normal;
+            break;
+        case 2:
+            if (slice > 1 && drawing.planes.size() > 6) {
+                drawing.planes.erase(drawing.planes.begin() + static_cast<std::ptrdiff_t>(slice));
+                drawing.seeds.erase(drawing.seeds.begin() + static_cast<std::ptrdiff_t>(slice));
+            }
+            break;
+        default:
+            seed = 1 + random() % 1000000;
+    }
+}
+
+// However the slices lie, after edits of all kinds: values, regions, boxes, volumes and warnings are those of a field
+// made without an earlier one.
+TEST(EarlierField, changes_no_value) {
+    std::mt19937 random(1);
+    std::size_t taken = 0;
+    for (int member = 0; member < 40; ++member) {
+        Drawing drawing = random_drawing(static_cast<Lie>(member % 5), member % 7 == 3, random);
+        const auto structures = static_cast<std::uint32_t>(drawing.seeds[0].size());
+        FieldOptions options;
+        options.caps = static_cast<EndCaps>(member % 3);
+        std::shared_ptr<const StructureField> earlier = made(set_of(drawing), options).field;
+        for (int step = 0; step < 4; ++step) {
+            edit(drawing, random);
+            const ContourSet set = set_of(drawing);
+            const Made fresh = made(set, options);
+            FieldOptions from_earlier = options;
+            from_earlier.earlier = earlier;
+            const Made kept = made(set, from_earlier, 1 + step % 2);
+            ASSERT_NO_FATAL_FAILURE(expect_same(*kept.field, *fresh.field, structures, 200, random))
+                << member << ' ' << step;
+            ASSERT_EQ(kept.warnings.size(), fresh.warnings.size());
+            for (std::size_t w = 0; w < fresh.warnings.size(); ++w)
+                EXPECT_EQ(to_line(kept.warnings[w]), to_line(fresh.warnings[w]));
+            taken += taken_over_by(*kept.field).gaps_taken;
+            EXPECT_EQ(taken_over_by(*fresh.field).maps_taken, 0u);
+            earlier = kept.field;
+        }
+    }
+    EXPECT_GT(taken, 500u);
+}
+
+// An edit of one slice makes one map anew, and what lies in six gaps at most: paths curve by the slices beyond, and
+// what ends there by those beyond them.
+TEST(EarlierField, makes_anew_what_one_slice_touches) {
+    std::mt19937 random(2);
+    for (int member = 0; member < 40; ++member) {
+        Drawing drawing = random_drawing(static_cast<Lie>(member % 3), false, random);
+        for (auto& seeds : drawing.seeds)
+            for (std::uint32_t& seed : seeds) seed = std::max(seed, 1u);
+        FieldOptions options;
+        const Made before = made(set_of(drawing), options);
+        options.earlier = before.field;
+        const TakenOver all = taken_over_by(*made(set_of(drawing), options).field);
+        EXPECT_EQ(all.maps_taken, all.maps);
+        EXPECT_EQ(all.gaps_taken, all.gaps);
+        drawing.seeds[random() % drawing.seeds.size()][0] = 1 + random() % 1000000;
+        const TakenOver one = taken_over_by(*made(set_of(drawing), options).field);
+        EXPECT_EQ(one.maps_taken + 1, one.maps);
+        // On oblique planes new vertices round the height of the slice for all structures.
+        EXPECT_LE(one.gaps, one.gaps_taken + 6 * (member % 3 == 2 ? drawing.seeds[0].size() : 1));
+    }
+}
+
+// Between slices k - 1 and k + 1 the field of slices k - 2 to k + 2 is that of all with the clamp and the frame of
+// all: bit for bit, or within rounding where structures exclude each other.
+TEST(EarlierField, five_slices_say_all_about_the_middle_one) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(0, 1);
+    int places = 0;
+    for (int member = 0; member < 500; ++member) {
+        Drawing drawing = random_drawing(static_cast<Lie>(member % 3), member % 4 == 3, random);
+        for (auto& seeds : drawing.seeds)
+            for (std::uint32_t& seed : seeds) seed = std::max(seed, 1u);
+        const Made whole = made(set_of(drawing), {});
+        const std::size_t k = 2 + random() % (drawing.planes.size() - 4);
+        Drawing window = drawing;
+        window.planes = {drawing.planes.begin() + static_cast<std::ptrdiff_t>(k - 2),
+                         drawing.planes.begin() + static_cast<std::ptrdiff_t>(k + 3)};
+        window.seeds = {drawing.seeds.begin() + static_cast<std::ptrdiff_t>(k - 2),
+                        drawing.seeds.begin() + static_cast<std::ptrdiff_t>(k + 3)};
+        if (k > 2) {  // the frame is that of the first slice, on which nothing is drawn here
+            window.planes.insert(window.planes.begin(), drawing.planes.front());
+            window.seeds.insert(window.seeds.begin(), std::vector<std::uint32_t>(drawing.seeds[0].size(), 0));
+        }
+        FieldOptions options;
+        options.clamp_mm = whole.field->clamp();
+        const Made five = made(set_of(window), options);
+        const auto structures = static_cast<std::uint32_t>(drawing.seeds[0].size());
+        for (int n = 0; n < 200; ++n) {
+            const Plane &below = drawing.planes[k - 1], &above = drawing.planes[k + 1];
+            const double share = unit(random);
+            const Vec3 p = (1 - share) * below.origin + share * above.origin +
+                           (40 * unit(random) - 20) * below.u + (40 * unit(random) - 20) * below.v;
+            for (std::uint32_t s = 0; s < structures; ++s) {
+                const double expected = whole.field->value(s, p), value = five.field->value(s, p);
+                // Where structures exclude each other, what is subtracted rounds.
+                ASSERT_NEAR(value, expected, drawing.exclusive ? 1e-12 : 0) << member;
+                places += std::abs(expected) < whole.field->clamp();
+            }
+        }
+    }
+    EXPECT_GT(places, 50000);
+}
+
+TEST(EarlierMaps, are_found_by_the_bits_of_their_edges) {
+    std::mt19937 random(4);
+    std::vector<std::unique_ptr<DistanceMap>> maps;
+    std::vector<EarlierMaps::Entry> entries;
+    std::vector<std::vector<Edge2>> outlines;
+    for (std::uint32_t n = 0; n < 100; ++n) {
+        outlines.push_back(edges_of({star({}, 5, 9, 20, random)}));
+        maps.push_back(std::make_unique<DistanceMap>(outlines.back(), 3));
+        entries.push_back({fingerprint_of(outlines.back()), maps.back().get(), 0, n});
+    }
+    const EarlierMaps earlier(entries);
+    for (std::uint32_t n = 0; n < 100; ++n) {
+        std::vector<Edge2> edges = outlines[n];
+        ASSERT_NE(earlier.find(fingerprint_of(edges), edges, 3), nullptr);
+        EXPECT_EQ(earlier.find(fingerprint_of(edges), edges, 3)->place, n);
+        EXPECT_EQ(earlier.find(fingerprint_of(edges), edges, 4), nullptr);
+        edges[7].b.x = std::nextafter(edges[7].b.x, 100);
+        EXPECT_EQ(earlier.find(fingerprint_of(outlines[n]), edges, 3), nullptr);
+        edges.pop_back();
+        EXPECT_EQ(earlier.find(fingerprint_of(edges), edges, 3), nullptr);
+    }
+    EXPECT_EQ(EarlierMaps().find(0, outlines[0], 3), nullptr);
+}
+
+}  // namespace
+}  // namespace anatomesh::earlier_field_test
