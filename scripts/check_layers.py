@@ -25,6 +25,7 @@ improve/core improve/operations improve/climb improve/sections improve/surgery i
 measure/certificate measure/topology outliers refine recover element
 pipeline/model pipeline/retry pipeline/run pipeline
 uncertainty
+live/preview
 """.split()
 MOST_FILES, MOST_LINES = 25, 3200
 FOREIGN = {"boost", "tbb", "oneapi"}

@@ -85,7 +85,7 @@ Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
             row[region.slice] = static_cast<std::int32_t>(jobs.size());
             jobs.push_back(&job);
             slice_of_map_.push_back(region.slice);
-            taken_over_.maps_taken += job.map != nullptr;
+            taken_from_earlier_.maps_taken += job.map != nullptr;
             fingerprints_.push_back(job.fingerprint);
         }
     }
@@ -106,7 +106,7 @@ Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
         }
     }
     maps_.resize(jobs.size());
-    taken_over_.maps = jobs.size();
+    taken_from_earlier_.maps = jobs.size();
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && !context.cancelled(); ++i) {
             if (first_of[i] != i) continue;
@@ -287,8 +287,8 @@ Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
     });
     if (context.cancelled()) return cancelled_error();
     for (const Job& job : jobs) {
-        taken_over_.gaps += job.is_drawn;
-        taken_over_.gaps_taken += job.is_taken;
+        taken_from_earlier_.gaps += job.is_drawn;
+        taken_from_earlier_.gaps_taken += job.is_taken;
     }
     warn_about_jumps(set, structure_stacks_, slice_of_map_, context);
     warn_about_ambiguities(set, structure_stacks_, slice_of_map_, frame_, context);
@@ -383,13 +383,49 @@ double median_gap(const std::vector<SliceInterval>& intervals) {
 
 }  // namespace
 
-TakenOver taken_over_by(const StructureField& field) {
-    TakenOver sum;
+std::optional<std::vector<FieldStretch>> ParallelField::stretches_unlike(const ParallelField& other) const {
+    const auto same = [](Vec3 a, Vec3 b) { return a == b; };
+    if (!same(frame_.origin, other.frame_.origin) || !same(frame_.u, other.frame_.u) ||
+        !same(frame_.v, other.frame_.v) || !same(frame_.normal, other.frame_.normal) ||
+        clamp_ != other.clamp_ || partition_ != other.partition_ ||
+        structure_stacks_.size() != other.structure_stacks_.size())
+        return std::nullopt;
+    std::vector<FieldStretch> unlike;
+    const auto compare = [&](const StructureStack& here, const StructureStack& there) {
+        here.add_unlike(maps_, there, other.maps_, unlike);
+        there.add_unlike(other.maps_, here, maps_, unlike);
+    };
+    for (std::size_t s = 0; s < structure_stacks_.size(); ++s)
+        compare(structure_stacks_[s], other.structure_stacks_[s]);
+    compare(union_, other.union_);
+    std::sort(unlike.begin(), unlike.end(),
+              [](const FieldStretch& a, const FieldStretch& b) { return a.low < b.low; });
+    std::vector<FieldStretch> merged;
+    for (const FieldStretch& stretch : unlike) {
+        if (!merged.empty() && stretch.low <= merged.back().high) {
+            merged.back().high = std::max(merged.back().high, stretch.high);
+        } else {
+            merged.push_back(stretch);
+        }
+    }
+    return merged;
+}
+
+std::optional<std::vector<FieldStretch>> stretches_unlike(const StructureField& field,
+                                                          const StructureField& earlier) {
+    const auto* here = dynamic_cast<const ParallelField*>(&field);
+    const auto* there = dynamic_cast<const ParallelField*>(&earlier);
+    if (here == nullptr || there == nullptr) return std::nullopt;
+    return here->stretches_unlike(*there);
+}
+
+TakenFromEarlier taken_from_earlier(const StructureField& field) {
+    TakenFromEarlier sum;
     for (const ParallelField* part : parallel_parts(&field)) {
-        sum.maps += part->taken_over().maps;
-        sum.maps_taken += part->taken_over().maps_taken;
-        sum.gaps += part->taken_over().gaps;
-        sum.gaps_taken += part->taken_over().gaps_taken;
+        sum.maps += part->taken_from_earlier().maps;
+        sum.maps_taken += part->taken_from_earlier().maps_taken;
+        sum.gaps += part->taken_from_earlier().gaps;
+        sum.gaps_taken += part->taken_from_earlier().gaps_taken;
     }
     return sum;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "anatomesh/field/model/field_queries.h"
@@ -37,7 +38,8 @@ class ParallelField final : public FieldQueries<ParallelField> {
         return ends;
     }
     Box3 box() const override { return box_; }
-    const TakenOver& taken_over() const { return taken_over_; }
+    const TakenFromEarlier& taken_from_earlier() const { return taken_from_earlier_; }
+    std::optional<std::vector<FieldStretch>> stretches_unlike(const ParallelField& other) const;
 
     static constexpr bool sides_cost_less = true;
     RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
@@ -122,7 +124,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
     double low_ = 0, inverse_bucket_ = 0;
     std::vector<std::uint32_t> bucket_begin_;
     std::vector<NearEntry> near_;
-    TakenOver taken_over_;
+    TakenFromEarlier taken_from_earlier_;
     // While the field is made: earlier ones, whose parts are taken over.
     std::vector<const ParallelField*> earlier_;
     EarlierMaps earlier_maps_;

@@ -159,6 +159,28 @@ bool StructureStack::take_motion(std::size_t i, const Maps& maps, const EarlierG
     return true;
 }
 
+void StructureStack::add_unlike(const Maps& maps, const StructureStack& other, const Maps& other_maps,
+                                std::vector<FieldStretch>& stretches) const {
+    const bool same_ends = std::equal(flat_.begin(), flat_.end(), other.flat_.begin(), other.flat_.end(),
+                                      [](const auto& a, const auto& b) {
+                                          return a.low == b.low && a.high == b.high && a.until == b.until;
+                                      });
+    std::size_t j = 0;
+    for (std::size_t i = 0; i + 1 < knots_.size(); ++i) {
+        while (j + 1 < other.knots_.size() && other.knots_[j].low < knots_[i].low) ++j;
+        const auto same_knot = [&](std::size_t step) {
+            const Known &here = knots_[i + step], &there = other.knots_[j + step];
+            return here.low == there.low && here.high == there.high &&
+                   map_at(i + step, maps) == other.map_at(j + step, other_maps);
+        };
+        const bool both = map_at(i, maps) != nullptr && map_at(i + 1, maps) != nullptr;
+        if (same_ends && rounded_ == other.rounded_ && j + 1 < other.knots_.size() && same_knot(0) &&
+            same_knot(1) && (!both || (motions_[i] == other.motions_[j] && ends_[i] == other.ends_[j])))
+            continue;
+        stretches.push_back({knots_[i].low, knots_[i + 1].high});
+    }
+}
+
 // Holes before pieces, and their boxes.
 void StructureStack::sort_terminations(std::size_t i) {
     std::vector<Termination>& ends = ends_[i]->terminations;

@@ -76,6 +76,11 @@ struct Termination {
     }
 };
 
+// A stretch along the normal of the first slice, from the height of its origin on, mm.
+struct FieldStretch {
+    double low = 0, high = 0;
+};
+
 // What ends between two neighbouring knots.
 struct GapEnds {
     std::vector<Termination> terminations;  // holes before pieces
@@ -145,6 +150,11 @@ class StructureStack {
     bool take_terminations(std::size_t i, const Maps& maps, const EarlierGap& earlier);
     // Requires: all terminations are found or taken.
     bool take_motion(std::size_t i, const Maps& maps, const EarlierGap& earlier);
+
+    // Appends the stretches from knot to knot of this stack that the other has not, with the same maps (by address),
+    // motion and ends: there values may differ.
+    void add_unlike(const Maps& maps, const StructureStack& other, const Maps& other_maps,
+                    std::vector<FieldStretch>& stretches) const;
 
     // Two neighbouring knots as the maps drawn there (empty_knot: none) and the positions they reach.
     struct Pair {
