@@ -19,13 +19,16 @@ namespace {
 constexpr int most_passes = 64;  // Edges are cut until none crosses, or so often. [passes; >= 1; B]
 // A crossing this close to a vertex is that vertex. [mm; 0 to 0.01; D digits of files]
 constexpr double snap_mm = 1e-6;
+// Edges that cross at a smaller angle run along each other: rounding moves their crossing by more than snap_mm. [sine of
+// the angle; 0 to 1e-6; D rounding]
+constexpr double parallel_sine = 1e-9;
 constexpr std::uint32_t none = 0xffffffff;  // Marks no vertex or edge. [index; largest number; D]
 
 struct CoordinateLess {
     bool operator()(Vec2 p, Vec2 q) const { return lexicographic_less(p, q); }
 };
 
-// Where the lines ab and cd cross, rounded. Requires: they are not parallel.
+// Where the lines ab and cd cross, rounded. Requires: they do not run along each other.
 Vec2 crossing_of(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
     const Vec2 along = b - a, other = d - c;
     const double t = cross(c - a, other) / cross(along, other);
@@ -138,6 +141,17 @@ class Cutter {
         if (vertex != ends_[edge].first && vertex != ends_[edge].second) splits_.push_back({edge, vertex});
     }
 
+    static bool run_along_each_other(Vec2 along, Vec2 other) {
+        return std::abs(cross(along, other)) <= parallel_sine * length(along) * length(other);
+    }
+
+    // Splits an edge at a vertex that lies beside it between its ends.
+    void split_beside(std::uint32_t edge, std::uint32_t vertex) {
+        const Vec2 a = at[ends_[edge].first], along = at[ends_[edge].second] - a;
+        const double t = dot(at[vertex] - a, along);
+        if (t > 0 && t < dot(along, along)) split(edge, vertex);
+    }
+
     // Splits edges i and j where they meet other than at a common end.
     void compare(std::uint32_t i, std::uint32_t j) {
         const auto [a, b] = ends_[i];
@@ -156,6 +170,14 @@ class Cutter {
         }
         if (touches) return;
         if (segment_contact(at[a], at[b], at[c], at[d]) != SegmentContact::cross) return;
+        if (run_along_each_other(at[b] - at[a], at[d] - at[c])) {
+            const std::size_t before = splits_.size();
+            for (std::uint32_t vertex : {c, d}) split_beside(i, vertex);
+            for (std::uint32_t vertex : {a, b}) split_beside(j, vertex);
+            // Where no end lies between, each end lies at one of the other edge.
+            if (splits_.size() == before) split(i, c);
+            return;
+        }
         // Which edge is named first must not matter to the rounding: the smaller vertex leads.
         auto first = std::minmax(a, b), second = std::minmax(c, d);
         std::pair<std::uint32_t, std::uint32_t> p = first, q = second;

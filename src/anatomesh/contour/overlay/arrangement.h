@@ -42,7 +42,8 @@ struct Arrangement {
 };
 
 // New vertices are made only where two edges cross in their interior; their coordinates are rounded to doubles. A
-// crossing within 1e-6 mm of a vertex takes that vertex. Edges are then tested again against all others until nothing
+// crossing within 1e-6 mm of a vertex takes that vertex. Edges that cross at an angle below 1e-9 run along each other,
+// and each takes the ends of the other that lie beside it. Edges are then tested again against all others until nothing
 // crosses, so that rounding leaves no crossing behind. A vertex on an edge splits it without moving it. Returns nothing
 // when there are more than `most_edges` edges or rounding does not come to rest. Complexity: O((n + k) log n) with k
 // crossings, times the passes (2 or 3 as a rule).
