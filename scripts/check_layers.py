@@ -26,6 +26,7 @@ measure/certificate measure/topology outliers refine recover element
 pipeline/model pipeline/retry pipeline/run pipeline
 uncertainty
 live/preview
+live/draw/area
 """.split()
 MOST_FILES, MOST_LINES = 25, 3200
 FOREIGN = {"boost", "tbb", "oneapi"}
