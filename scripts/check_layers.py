@@ -27,6 +27,7 @@ pipeline/model pipeline/retry pipeline/run pipeline
 uncertainty
 live/preview
 live/draw/area
+live/draw/area live/draw
 """.split()
 MOST_FILES, MOST_LINES = 25, 3200
 FOREIGN = {"boost", "tbb", "oneapi"}
