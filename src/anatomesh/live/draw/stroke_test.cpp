@@ -207,5 +207,15 @@ TEST(Stroke, refuses_bad_points_and_options) {
     EXPECT_EQ(code(stroke, options), "E-LIV-009");
 }
 
+// A scrawl of 1500 long lines crosses itself 190,000 times; no hand draws it, and it must not hold up a program.
+TEST(Stroke, refuses_lines_that_cross_too_often) {
+    Random random(1);
+    Polygon scrawl;
+    for (int n = 0; n < 1500; ++n) scrawl.push_back({uniform(random, 0, 100), uniform(random, 0, 100)});
+    EXPECT_EQ(draw_stroke({}, scrawl, {}).error().code, "E-LIV-007");
+    scrawl.resize(300);
+    EXPECT_TRUE(draw_stroke({}, scrawl, {}).ok());
+}
+
 }  // namespace
 }  // namespace anatomesh::stroke_test

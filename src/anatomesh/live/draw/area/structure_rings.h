@@ -16,7 +16,7 @@ inline constexpr double ring_off_plane_mm = 0.01;
 // A frame is orthonormal if products of its axes differ by no more. [1; 0 to 1e-3; D digits of files]
 inline constexpr double frame_rounding = 1e-6;
 // More edges on one plane are refused. [edges; > 0; B]
-inline constexpr std::size_t most_drawn_edges = 2'000'000;
+inline constexpr std::size_t most_drawn_edges = 300'000;
 // The source of a ring that comes from no ring before it. [index; largest number; D]
 inline constexpr std::uint32_t drawn_now = 0xffffffff;
 
