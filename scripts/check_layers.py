@@ -28,6 +28,7 @@ uncertainty
 live/preview
 live/draw/area
 live/draw/area live/draw
+live/livewire
 """.split()
 MOST_FILES, MOST_LINES = 25, 3200
 FOREIGN = {"boost", "tbb", "oneapi"}
