@@ -117,6 +117,7 @@ Derivatives derivatives(double before, double here, double after, double step) {
 
 // Values as large as floats can be have steeper gradients than floats can be.
 float bounded(double derivative) {
+    // Derivatives end here, so that their squares and sums are finite.
     // [grey values per mm, or per mm squared; > 0; D largest float]
     constexpr double largest = 1e38;
     return static_cast<float>(std::clamp(derivative, -largest, largest));
