@@ -22,7 +22,8 @@ struct LivewireTrainingOptions {
     double snap = 1.5;
 };
 
-// The cost of a value of one feature: 0 where drawn edges have it most often, 1 where none has it.
+// The cost of a value of one feature: how likely a pixel with that value lies beside a drawn edge and not on it. 0: it is
+// on the edge for sure; 1: drawn edges never have it.
 struct FeatureCost {
     double low = 0, high = 0;  // of the values that were seen, and what may be taken for them
     std::vector<float> costs;  // of equal parts of [low, high); empty: every value costs 0
@@ -37,12 +38,14 @@ struct LivewireTraining {
     std::uint32_t places = 0;  // that it was learnt from
 };
 
-// Looks at each pixel that the paths lead through (moved to the strongest gradient nearby) and makes a histogram of
-// each feature, smoothed by a Gaussian (Silverman's width). Its height becomes the cost. Sides are told apart by their
-// brightness, so a path may be drawn in either direction. Values are absolute: the slices have the same grey scale.
+// Looks at each pixel that the paths lead through (moved to the strongest gradient nearby), and at pixels 3 to 9 steps
+// beside it. Both give a histogram of each feature, smoothed by a Gaussian (Silverman's width); the cost is the share of
+// the second in their sum. Sides are told apart by their brightness, so a path may be drawn in either direction. Values
+// are absolute: slices need the same grey scale.
 // Errors: input E-LIV-106 a point is not finite; input E-LIV-108 the paths lead through fewer than 16 pixels with an edge.
 // Complexity: linear in the paths' lengths in pixels. Requires: features of every path.
-// Source: Mortensen and Barrett, GMIP 60, 1998, sections on dynamic features and training.
+// Sources: Mortensen and Barrett, GMIP 60, 1998 (features, histograms). There the cost is the first histogram turned over;
+// beside it grey values of the surroundings, which drawn edges have too, lead the wire into short cuts.
 Result<LivewireTraining> train_livewire(std::span<const DrawnPath> paths,
                                         const LivewireTrainingOptions& options = {});
 
