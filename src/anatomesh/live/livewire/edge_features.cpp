@@ -44,15 +44,15 @@ struct Weighted {
     double sum = 0, weight = 0;
 };
 
-// Smooths rows [begin, end) of a slice by normalized convolution, along rows and then along columns.
+// Smooths rows [begin, end) of a picture by normalized convolution, along rows and then along columns.
 class Smoothing {
   public:
-    Smoothing(const GreySlice& slice, double deviation_mm)
-        : slice_(slice),
-          width_(slice.grid.size[0]),
-          height_(slice.grid.size[1]),
-          along_row_(half_gaussian(deviation_mm / slice.grid.step.x)),
-          along_column_(half_gaussian(deviation_mm / slice.grid.step.y)) {}
+    Smoothing(const GreyPicture& picture, double deviation_mm)
+        : picture_(picture),
+          width_(picture.grid.size[0]),
+          height_(picture.grid.size[1]),
+          along_row_(half_gaussian(deviation_mm / picture.grid.step.x)),
+          along_column_(half_gaussian(deviation_mm / picture.grid.step.y)) {}
 
     // Rounding to float takes the rounding of the sums away: equal values stay equal exactly.
     void smooth_rows(std::size_t begin, std::size_t end, std::vector<float>& smoothed) const {
@@ -79,7 +79,7 @@ class Smoothing {
         total.weight += factor * part.weight;
     }
     void smooth_along_row(std::size_t j, Weighted* row) const {
-        const float* const values = &slice_.pixels[j * width_];
+        const float* const values = &picture_.pixels[j * width_];
         const std::size_t reach = along_row_.size() - 1;
         const auto add_value = [&](double factor, float value, Weighted& total) {
             if (!std::isfinite(value)) return;
@@ -95,7 +95,7 @@ class Smoothing {
         }
     }
 
-    const GreySlice& slice_;
+    const GreyPicture& picture_;
     std::size_t width_, height_;
     std::vector<double> along_row_, along_column_;
 };
@@ -124,13 +124,13 @@ float bounded(double derivative) {
 }
 
 // The gradient of one row, its tangents and the Laplacian; kinds become no_value, flat or slope.
-void differentiate_row(std::size_t j, const GreySlice& slice, EdgeFeatures& features,
+void differentiate_row(std::size_t j, const GreyPicture& picture, EdgeFeatures& features,
                        std::vector<float>& laplacian) {
-    const PixelGrid& grid = features.grid;
+    const PictureGrid& grid = features.grid;
     const std::size_t width = grid.size[0], height = grid.size[1];
     const auto value = [&](std::size_t v) -> double {
-        return std::isfinite(slice.pixels[v]) ? features.smoothed[v]
-                                              : std::numeric_limits<double>::quiet_NaN();
+        return std::isfinite(picture.pixels[v]) ? features.smoothed[v]
+                                                : std::numeric_limits<double>::quiet_NaN();
     };
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t i = 0; i < width; ++i) {
@@ -224,15 +224,15 @@ EdgeFeatures::Sides EdgeFeatures::sides(std::uint32_t pixel) const {
     return {value_at(middle + offset), value_at(middle - offset)};
 }
 
-Result<EdgeFeatures> find_edge_features(const GreySlice& slice, const EdgeFeatureOptions& options,
+Result<EdgeFeatures> find_edge_features(const GreyPicture& picture, const EdgeFeatureOptions& options,
                                         RunContext& context) {
     assert(options.smoothing >= 0 && options.smoothing <= 5);
     assert(options.strong_percentile >= 50 && options.strong_percentile <= 100);
-    ANATOMESH_CHECK_STATUS(check_grey_slice(slice));
+    ANATOMESH_CHECK_STATUS(check_grey_picture(picture));
     EdgeFeatures features;
-    features.grid = slice.grid;
-    features.smoothing_mm = options.smoothing * slice.grid.mean_step();
-    const std::size_t count = slice.grid.count(), rows = slice.grid.size[1];
+    features.grid = picture.grid;
+    features.smoothing_mm = options.smoothing * picture.grid.mean_step();
+    const std::size_t count = picture.grid.count(), rows = picture.grid.size[1];
     features.kind.assign(count, PixelKind::no_value);
     features.smoothed.resize(count);
     features.gradient_x.assign(count, 0);
@@ -244,12 +244,12 @@ Result<EdgeFeatures> find_edge_features(const GreySlice& slice, const EdgeFeatur
             for (std::size_t j = begin; j < end && !context.cancelled(); ++j) body(j);
         });
     };
-    const Smoothing smoothing(slice, features.smoothing_mm);
+    const Smoothing smoothing(picture, features.smoothing_mm);
     parallel_for(rows, rows_at_once, context.threads, [&](std::size_t begin, std::size_t end) {
         if (!context.cancelled()) smoothing.smooth_rows(begin, end, features.smoothed);
     });
     std::vector<float> laplacian(count, 0);
-    for_rows([&](std::size_t j) { differentiate_row(j, slice, features, laplacian); });
+    for_rows([&](std::size_t j) { differentiate_row(j, picture, features, laplacian); });
     for_rows([&](std::size_t j) { find_zero_crossings_of_row(j, laplacian, features); });
     if (context.cancelled()) return cancelled_error();
     features.strong_gradient = strong_gradient(features, options);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/live/livewire/grey_slice.h"
+#include "anatomesh/live/livewire/grey_picture.h"
 
 namespace anatomesh {
 
@@ -34,7 +34,7 @@ TurnAngle turn_angle(Vec2 direction);
 
 // Flat arrays, parallel to the pixels. Memory: 15 bytes for each pixel.
 struct EdgeFeatures {
-    PixelGrid grid;
+    PictureGrid grid;
     std::vector<PixelKind> kind;
     std::vector<float> smoothed;                // grey value
     std::vector<float> gradient_x, gradient_y;  // of it, in grey values per mm, cut off at 1e38
@@ -62,9 +62,9 @@ struct EdgeFeatures {
 // A pixel is a zero crossing where the Laplacian has the other sign in one of four neighbours and is no nearer to 0
 // there. strong_gradient leaves out as many of the strongest zero crossings as one pixel of metal makes, besides those
 // above the percentile, and at most half of them. The result is the same for any number of threads.
-// Errors: those of check_grey_slice; cancelled. Complexity: linear in pixels times the smoothing in steps, parallel.
+// Errors: those of check_grey_picture; cancelled. Complexity: linear in pixels times the smoothing in steps, parallel.
 // Sources: Mortensen and Barrett, SIGGRAPH 1995, section 3.1; Knutsson and Westin, CVPR 1993 (normalized convolution).
-Result<EdgeFeatures> find_edge_features(const GreySlice& slice, const EdgeFeatureOptions& options,
+Result<EdgeFeatures> find_edge_features(const GreyPicture& picture, const EdgeFeatureOptions& options,
                                         RunContext& context);
 
 }  // namespace anatomesh

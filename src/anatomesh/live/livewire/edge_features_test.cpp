@@ -29,7 +29,7 @@ TEST(EdgeFeatures, gradients_are_per_mm_for_any_steps) {
     for (const Vec2 step : {Vec2{1, 1}, Vec2{0.5, 1.5}, Vec2{2, 0.3}, Vec2{0.05, 10}}) {
         for (int n = 0; n < 25; ++n) {
             const double x = slope(random), y = slope(random);
-            const PixelGrid grid{{40, 40}, step};
+            const PictureGrid grid{{40, 40}, step};
             const EdgeFeatures features =
                 features_of(picture(grid, [&](Vec2 p) { return 100 + x * p.x + y * p.y; }));
             // Away from the border, where the Gaussian is whole.
@@ -48,7 +48,7 @@ TEST(EdgeFeatures, gradients_are_per_mm_for_any_steps) {
 TEST(EdgeFeatures, a_constant_picture_is_flat_exactly) {
     for (const double value : {0.0, 7.3, -1024.7, 1e30, 1e-30}) {
         for (const Vec2 step : {Vec2{1, 1}, Vec2{0.37, 1.91}}) {
-            GreySlice slice = picture({{37, 29}, step}, [&](Vec2) { return value; });
+            GreyPicture slice = picture({{37, 29}, step}, [&](Vec2) { return value; });
             slice.pixels[77] = std::nanf("");
             const EdgeFeatures features = features_of(slice);
             for (std::size_t v = 0; v < slice.pixels.size(); ++v)
@@ -61,10 +61,10 @@ TEST(EdgeFeatures, a_constant_picture_is_flat_exactly) {
 // All strong zero crossings lie at the circle, and every point of the circle has one.
 TEST(EdgeFeatures, zero_crossings_lie_on_the_edge) {
     for (const Vec2 step : {Vec2{1, 1}, Vec2{0.6, 1.3}}) {
-        const PixelGrid grid{{101, 101}, step};
+        const PictureGrid grid{{101, 101}, step};
         const Vec2 centre = grid.position({50, 50});
         const double radius = 25;
-        const GreySlice slice =
+        const GreyPicture slice =
             picture(grid, [&](Vec2 p) { return 100 * testing::disc_share(p, centre, radius, step); });
         const EdgeFeatures features = features_of(slice);
         std::vector<Vec2> crossings;
@@ -89,10 +89,10 @@ TEST(EdgeFeatures, zero_crossings_lie_on_the_edge) {
 
 // Whatever value the others would have had: what is unknown makes no edge.
 TEST(EdgeFeatures, pixels_without_a_value_make_no_edge) {
-    const PixelGrid grid{{60, 40}, {1, 2}};
+    const PictureGrid grid{{60, 40}, {1, 2}};
     for (const float bad :
          {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
-        GreySlice slice = picture(grid, [](Vec2) { return 50.0; });
+        GreyPicture slice = picture(grid, [](Vec2) { return 50.0; });
         for (std::uint32_t j = 5; j < 20; ++j) {
             for (std::uint32_t i = 20; i < 60; ++i) slice.pixels[grid.index({i, j})] = bad;
         }
@@ -108,8 +108,8 @@ TEST(EdgeFeatures, pixels_without_a_value_make_no_edge) {
 TEST(EdgeFeatures, a_pixel_of_metal_does_not_change_what_a_strong_edge_is) {
     for (const double noise : {0.0, 10.0}) {
         for (const std::uint32_t side : {64u, 128u, 300u}) {
-            const PixelGrid grid{{side, side}, {1, 1}};
-            GreySlice slice = picture(
+            const PictureGrid grid{{side, side}, {1, 1}};
+            GreyPicture slice = picture(
                 grid,
                 [&](Vec2 p) {
                     return length(p - Vec2{0.4 * side, 0.4 * side}) < 0.2 * side ? 100.0 : 0;
@@ -129,7 +129,7 @@ TEST(EdgeFeatures, the_largest_values_have_finite_gradients) {
     constexpr float largest = std::numeric_limits<float>::max();
     for (const double step : {1e-6, 1.0, 1e7}) {
         std::mt19937 random(4);
-        GreySlice slice = picture({{30, 20}, {step, step}}, [](Vec2) { return 0.0; });
+        GreyPicture slice = picture({{30, 20}, {step, step}}, [](Vec2) { return 0.0; });
         for (float& value : slice.pixels) value = random() % 2 ? largest : -largest;
         const EdgeFeatures features = features_of(slice, {.smoothing = 0.5});
         EXPECT_TRUE(std::isfinite(features.strong_gradient));
@@ -147,7 +147,7 @@ TEST(EdgeFeatures, the_largest_values_have_finite_gradients) {
 }
 
 TEST(EdgeFeatures, are_the_same_for_any_number_of_threads) {
-    const GreySlice slice = picture(
+    const GreyPicture slice = picture(
         {{201, 333}, {1, 0.7}}, [](Vec2 p) { return p.x * p.y; }, 30);
     RunContext one, three;
     three.threads = 3;
@@ -164,7 +164,7 @@ TEST(EdgeFeatures, are_the_same_for_any_number_of_threads) {
 }
 
 TEST(EdgeFeatures, a_run_can_be_cancelled) {
-    const GreySlice slice = picture({{20, 20}, {1, 1}}, [](Vec2 p) { return p.x; });
+    const GreyPicture slice = picture({{20, 20}, {1, 1}}, [](Vec2 p) { return p.x; });
     const EdgeFeatures features = features_of(slice);
     std::atomic<bool> stop = true;
     RunContext context;
@@ -175,7 +175,7 @@ TEST(EdgeFeatures, a_run_can_be_cancelled) {
 
 // A thin band of pixels is looked at on both sides without leaving the picture.
 TEST(EdgeFeatures, sides_are_the_brighter_and_the_darker_one) {
-    const PixelGrid grid{{60, 12}, {1, 2}};
+    const PictureGrid grid{{60, 12}, {1, 2}};
     for (const double sign : {1.0, -1.0}) {
         const EdgeFeatures features =
             features_of(picture(grid, [&](Vec2 p) { return p.x < 29.5 ? 20 : 20 + sign * 80; }));
@@ -186,21 +186,21 @@ TEST(EdgeFeatures, sides_are_the_brighter_and_the_darker_one) {
     }
 }
 
-std::string code_of(const GreySlice& slice) {
+std::string code_of(const GreyPicture& slice) {
     RunContext context;
     const auto features = find_edge_features(slice, {}, context);
-    EXPECT_EQ(features.ok(), check_grey_slice(slice).ok());
+    EXPECT_EQ(features.ok(), check_grey_picture(slice).ok());
     if (features.ok()) return "";
     EXPECT_EQ(features.error().place.file, "picture");
     EXPECT_FALSE(features.error().next_step.empty());
     return features.error().code;
 }
 
-TEST(GreySlice, what_is_no_picture_is_refused) {
-    const GreySlice good = picture({{6, 5}, {1, 1}}, [](Vec2 p) { return p.x; });
+TEST(GreyPicture, what_is_no_picture_is_refused) {
+    const GreyPicture good = picture({{6, 5}, {1, 1}}, [](Vec2 p) { return p.x; });
     EXPECT_EQ(code_of(good), "");
     for (const auto& size : {std::array<std::uint32_t, 2>{0, 5}, {6, 0}, {0, 0}}) {
-        GreySlice slice = good;
+        GreyPicture slice = good;
         slice.grid.size = size;
         slice.pixels.clear();
         EXPECT_EQ(code_of(slice), "E-LIV-101");
@@ -210,22 +210,22 @@ TEST(GreySlice, what_is_no_picture_is_refused) {
                              {1, 0xFFFFFFFF},
                              {0xFFFFFFFF, 0xFFFFFFFF},
                              {most_pixels_of_side, most_pixels_of_side}}) {
-        GreySlice slice = good;
+        GreyPicture slice = good;
         slice.grid.size = size;
         EXPECT_EQ(code_of(slice), "E-LIV-102");
-        EXPECT_EQ(check_grey_slice(slice).error().kind, ErrorKind::limit);
+        EXPECT_EQ(check_grey_picture(slice).error().kind, ErrorKind::limit);
     }
     constexpr double infinite = std::numeric_limits<double>::infinity();
     for (const double step :
          {0.0, -1.0, infinite, -infinite, std::nan(""), 1e-300, 1e300, 201.0, 1 / 201.0}) {
-        GreySlice slice = good;
+        GreyPicture slice = good;
         slice.grid.step = {step, 1};
         EXPECT_EQ(code_of(slice), "E-LIV-103") << step;
         slice.grid.step = {1, step};
         EXPECT_EQ(code_of(slice), "E-LIV-103") << step;
     }
     for (const std::size_t count : {0u, 29u, 31u}) {
-        GreySlice slice = good;
+        GreyPicture slice = good;
         slice.pixels.resize(count);
         EXPECT_EQ(code_of(slice), "E-LIV-104");
     }
@@ -237,14 +237,14 @@ TEST(GreySlice, what_is_no_picture_is_refused) {
     planes[4].u = {std::nan(""), 0, 0};
     planes[5].v = {0, 2, 0};
     for (const Plane& plane : planes) {
-        GreySlice slice = good;
+        GreyPicture slice = good;
         slice.plane = plane;
         EXPECT_EQ(code_of(slice), "E-LIV-105");
     }
     std::mt19937 random(2);
     std::normal_distribution<double> normal;
     for (int n = 0; n < 300; ++n) {
-        GreySlice slice = good;
+        GreyPicture slice = good;
         slice.plane = make_plane({1e6, -1e6, 5}, {normal(random), normal(random), normal(random)});
         EXPECT_EQ(code_of(slice), "");
     }

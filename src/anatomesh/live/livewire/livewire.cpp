@@ -15,7 +15,7 @@ namespace {
 constexpr double far_margin_share = 0.25;
 
 // The rectangle about two pixels and `margin` pixels around it, as far as the picture goes.
-PixelWindow window_about(Pixel a, Pixel b, std::uint32_t margin, const PixelGrid& grid) {
+PixelWindow window_about(Pixel a, Pixel b, std::uint32_t margin, const PictureGrid& grid) {
     const auto low = [&](std::uint32_t at) { return at - std::min(at, margin); };
     const auto high = [&](std::uint32_t at, std::uint32_t side) {
         return std::min<std::uint32_t>(side, at + margin + 1);
@@ -25,7 +25,7 @@ PixelWindow window_about(Pixel a, Pixel b, std::uint32_t margin, const PixelGrid
 }
 
 // The same with the largest margin that makes no more pixels than the options say.
-PixelWindow window_about(Pixel a, Pixel b, const LivewireOptions& options, const PixelGrid& grid) {
+PixelWindow window_about(Pixel a, Pixel b, const LivewireOptions& options, const PictureGrid& grid) {
     const auto fits = [&](std::uint32_t margin) {
         const PixelWindow window = window_about(a, b, margin, grid);
         return std::size_t{window.right - window.left} * (window.bottom - window.top) <=
@@ -61,7 +61,7 @@ Livewire::Livewire(const LivewireCosts& costs, const LivewireOptions& options)
 
 Result<NearestPixel> Livewire::set_anchor(Vec2 point) {
     const StandardArithmetic arithmetic;
-    ANATOMESH_CHECK_STATUS(check_point(point, "anchor"));
+    ANATOMESH_CHECK_STATUS(check_picture_point(point, "anchor"));
     const NearestPixel nearest = grid().nearest(point);
     anchor_ = nearest.pixel;
     anchored_ = true;
@@ -72,7 +72,7 @@ Result<NearestPixel> Livewire::set_anchor(Vec2 point) {
 Result<LivewireLine> Livewire::line_to(Vec2 pointer) {
     assert(anchored_);
     const StandardArithmetic arithmetic;
-    ANATOMESH_CHECK_STATUS(check_point(pointer, "pointer"));
+    ANATOMESH_CHECK_STATUS(check_picture_point(pointer, "pointer"));
     const NearestPixel nearest = grid().nearest(pointer);
     // It grows when half of the margin is used up, and so not with every pixel that the pointer moves.
     if (!window().contains(window_about(anchor_, nearest.pixel, options_.margin / 2, grid()))) {

@@ -58,7 +58,7 @@ class Livewire {
     // changes no line. Returns whether there are none left. O(pixels). Requires: set_anchor() succeeded before.
     bool settle_ahead(std::uint32_t pixels);
 
-    const PixelGrid& grid() const { return costs_->grid; }
+    const PictureGrid& grid() const { return costs_->grid; }
     const PixelWindow& window() const { return paths_.window(); }
 
   private:

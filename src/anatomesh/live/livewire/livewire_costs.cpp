@@ -111,7 +111,7 @@ std::uint16_t rounded_cost(double cost) {
 
 Result<LivewireCosts> make_livewire_costs(const EdgeFeatures& features, const LivewireTraining* training,
                                           const LivewireCostOptions& options, RunContext& context) {
-    const PixelGrid& grid = features.grid;
+    const PictureGrid& grid = features.grid;
     const std::size_t count = grid.count();
     const PixelCosts pixel_costs(features, training, options);
     std::vector<float> of_pixel(count);

@@ -42,7 +42,7 @@ inline constexpr std::size_t step_directions = 4;  // their number [1; one value
 
 // The picture as an undirected graph, 8 neighbours each. Memory: 8 bytes for each pixel.
 struct LivewireCosts {
-    PixelGrid grid;
+    PictureGrid grid;
     // steps[step_directions * pixel + direction]: 1 to most_step_cost; 0 where the picture has no such neighbour.
     std::vector<std::uint16_t> steps;
 

@@ -25,8 +25,8 @@ double per_mm(const LivewireCosts& costs, Pixel p, StepDirection direction) {
 TEST(LivewireCosts, a_step_costs_nothing_to_one_per_mm_and_exists_inside_only) {
     std::mt19937 random(1);
     for (const Vec2 step : {Vec2{1, 1}, Vec2{0.5, 1.5}, Vec2{0.1, 20}}) {
-        const PixelGrid grid{{31, 23}, step};
-        GreySlice slice = picture(
+        const PictureGrid grid{{31, 23}, step};
+        GreyPicture slice = picture(
             grid, [](Vec2 p) { return p.x * std::sin(p.y); }, 3);
         for (int n = 0; n < 20; ++n) slice.pixels[random() % slice.pixels.size()] = std::nanf("");
         const LivewireCosts costs = costs_of(slice);
@@ -47,11 +47,11 @@ TEST(LivewireCosts, a_step_costs_nothing_to_one_per_mm_and_exists_inside_only) {
 // Turning a picture by a quarter turn turns its costs: right becomes down, and down_right becomes down_left.
 TEST(LivewireCosts, turn_with_the_picture) {
     const std::uint32_t n = 33;
-    const PixelGrid grid{{n, n}, {1, 1}};
+    const PictureGrid grid{{n, n}, {1, 1}};
     for (unsigned seed = 0; seed < 20; ++seed) {
-        const GreySlice slice = picture(
+        const GreyPicture slice = picture(
             grid, [](Vec2 p) { return 3 * p.x; }, 20, seed);
-        GreySlice turned = slice;  // pixel (i, j) goes to (n - 1 - j, i)
+        GreyPicture turned = slice;  // pixel (i, j) goes to (n - 1 - j, i)
         for (std::uint32_t j = 0; j < n; ++j) {
             for (std::uint32_t i = 0; i < n; ++i)
                 turned.pixels[grid.index({n - 1 - j, i})] = slice.pixels[grid.index({i, j})];
@@ -73,9 +73,9 @@ TEST(LivewireCosts, turn_with_the_picture) {
 // Brightness, contrast and unit of length are the scanner's affair.
 TEST(LivewireCosts, stay_when_grey_values_and_lengths_are_scaled) {
     for (unsigned seed = 0; seed < 10; ++seed) {
-        const GreySlice slice = picture(
+        const GreyPicture slice = picture(
             {{40, 30}, {1, 0.5}}, [](Vec2 p) { return 5 * p.x; }, 16, seed);
-        GreySlice scaled = slice;
+        GreyPicture scaled = slice;
         for (float& value : scaled.pixels) value = 4 * value;
         scaled.grid.step = {8, 4};
         ASSERT_EQ(costs_of(slice).steps, costs_of(scaled).steps);
@@ -85,7 +85,7 @@ TEST(LivewireCosts, stay_when_grey_values_and_lengths_are_scaled) {
 // Along an edge it costs next to nothing, across it much, beside it most; reversed contrast is no continuation.
 TEST(LivewireCosts, are_low_along_an_edge) {
     for (const Vec2 step : {Vec2{1, 1}, Vec2{0.5, 1.5}, Vec2{1.4, 0.7}}) {
-        const PixelGrid grid{{60, 60}, step};
+        const PictureGrid grid{{60, 60}, step};
         const LivewireCosts costs =
             costs_of(picture(grid, [&](Vec2 p) { return p.x < 29.6 * step.x ? 0.0 : 100.0; }));
         for (std::uint32_t j = 10; j < 50; ++j) {
@@ -100,7 +100,7 @@ TEST(LivewireCosts, are_low_along_an_edge) {
 
 // Where the bright side changes, an edge ends: a dark line has two edges, and a wire does not hop between them.
 TEST(LivewireCosts, directions_are_opposed_where_the_bright_side_changes) {
-    const PixelGrid grid{{61, 41}, {1, 1}};
+    const PictureGrid grid{{61, 41}, {1, 1}};
     const EdgeFeatures features =
         features_of(picture(grid, [](Vec2 p) { return std::abs(p.x - 30) < 1.5 ? 0.0 : 100.0; }));
     RunContext context;
@@ -124,8 +124,8 @@ TEST(LivewireCosts, directions_are_opposed_where_the_bright_side_changes) {
 }
 
 TEST(LivewireCosts, the_most_is_paid_at_pixels_without_a_value) {
-    const PixelGrid grid{{20, 20}, {1, 1}};
-    GreySlice slice = picture(grid, [](Vec2 p) { return p.x < 9.6 ? 0.0 : 100.0; });
+    const PictureGrid grid{{20, 20}, {1, 1}};
+    GreyPicture slice = picture(grid, [](Vec2 p) { return p.x < 9.6 ? 0.0 : 100.0; });
     slice.pixels[grid.index({10, 10})] = std::nanf("");
     const LivewireCosts costs = costs_of(slice);
     for (const StepDirection d :
@@ -137,7 +137,7 @@ TEST(LivewireCosts, the_most_is_paid_at_pixels_without_a_value) {
 
 // The weight of one feature alone shows that feature.
 TEST(LivewireCosts, weights_choose_the_features) {
-    const PixelGrid grid{{40, 160}, {1, 1}};
+    const PictureGrid grid{{40, 160}, {1, 1}};
     const EdgeFeatures features = features_of(picture(grid, [](Vec2 p) {
         return p.x < 15.5 ? 0.0 : p.y < 80 ? 100.0 : 50.0;
     }));

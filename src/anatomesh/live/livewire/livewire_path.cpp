@@ -21,7 +21,7 @@ LivewirePath::LivewirePath(const LivewireCosts& costs, const LivewireOptions& op
     : options_(options), wire_(costs, options) {}
 
 Result<NearestPixel> LivewirePath::add_anchor(Vec2 point, LivewireSegment segment) {
-    ANATOMESH_CHECK_STATUS(check_point(point, "anchor"));
+    ANATOMESH_CHECK_STATUS(check_picture_point(point, "anchor"));
     std::vector<Vec2> line;
     if (!anchors_.empty()) {
         ANATOMESH_TRY(LivewireLine frozen, line_to(point, segment));
@@ -48,7 +48,7 @@ bool LivewirePath::step_back() {
 Result<LivewireLine> LivewirePath::line_to(Vec2 pointer, LivewireSegment segment) {
     assert(!anchors_.empty());
     if (segment == LivewireSegment::along_edges) return wire_.line_to(pointer);
-    ANATOMESH_CHECK_STATUS(check_point(pointer, "pointer"));
+    ANATOMESH_CHECK_STATUS(check_picture_point(pointer, "pointer"));
     const NearestPixel nearest = wire_.grid().nearest(pointer);
     LivewireLine line;
     line.cheapest = false;

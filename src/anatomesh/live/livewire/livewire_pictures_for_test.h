@@ -12,10 +12,10 @@ namespace anatomesh::testing {
 
 // A picture of a function of the position in mm, with normal noise of this standard deviation.
 template <class Value>
-GreySlice picture(PixelGrid grid, const Value& value, double noise = 0, unsigned seed = 1) {
+GreyPicture picture(PictureGrid grid, const Value& value, double noise = 0, unsigned seed = 1) {
     std::mt19937 random(seed);
     std::normal_distribution<double> normal(0, 1);
-    GreySlice slice;
+    GreyPicture slice;
     slice.grid = grid;
     slice.source = "picture";
     for (std::uint32_t j = 0; j < grid.size[1]; ++j) {
@@ -37,7 +37,7 @@ inline double disc_share(Vec2 p, Vec2 centre, double radius, Vec2 step) {
     return inside / 64.0;
 }
 
-inline EdgeFeatures features_of(const GreySlice& slice, const EdgeFeatureOptions& options = {}) {
+inline EdgeFeatures features_of(const GreyPicture& slice, const EdgeFeatureOptions& options = {}) {
     RunContext context;
     return find_edge_features(slice, options, context).value();
 }
@@ -47,12 +47,12 @@ inline LivewireCosts costs_of(const EdgeFeatures& features, const LivewireTraini
     return make_livewire_costs(features, training, {}, context).value();
 }
 
-inline LivewireCosts costs_of(const GreySlice& slice) {
+inline LivewireCosts costs_of(const GreyPicture& slice) {
     return costs_of(features_of(slice));
 }
 
 // Costs that are random numbers, small ones so that many paths are equally cheap where `most` is small.
-inline LivewireCosts random_costs(PixelGrid grid, std::uint32_t most, std::mt19937& random) {
+inline LivewireCosts random_costs(PictureGrid grid, std::uint32_t most, std::mt19937& random) {
     LivewireCosts costs{grid, std::vector<std::uint16_t>(step_directions * grid.count(), 0)};
     for (std::uint32_t v = 0; v < grid.count(); ++v) {
         const Pixel p = grid.pixel(v);

@@ -21,7 +21,7 @@ using testing::picture;
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-Vec2 random_point(const PixelGrid& grid, std::mt19937& random) {
+Vec2 random_point(const PictureGrid& grid, std::mt19937& random) {
     std::uniform_real_distribution<double> share(0, 1);
     return {share(random) * (grid.size[0] - 1) * grid.step.x,
             share(random) * (grid.size[1] - 1) * grid.step.y};
@@ -69,13 +69,13 @@ std::vector<Vec2> ring_around(const LivewireCosts& costs, Vec2 centre, double ra
 TEST_P(Disc, four_anchors_give_its_area_and_its_edge) {
     const DiscCase& disc = GetParam();
     const double mean_step = std::sqrt(disc.step.x * disc.step.y), radius = 30 * mean_step;
-    const PixelGrid grid{{static_cast<std::uint32_t>(96 * mean_step / disc.step.x),
-                          static_cast<std::uint32_t>(96 * mean_step / disc.step.y)},
-                         disc.step};
+    const PictureGrid grid{{static_cast<std::uint32_t>(96 * mean_step / disc.step.x),
+                            static_cast<std::uint32_t>(96 * mean_step / disc.step.y)},
+                           disc.step};
     RingError worst;
     for (unsigned seed = 1; seed <= 20; ++seed) {
         const Vec2 centre{(47 + 0.05 * seed) * mean_step, (48 - 0.04 * seed) * mean_step};
-        GreySlice slice = picture(
+        GreyPicture slice = picture(
             grid, [&](Vec2 p) { return 100 * testing::disc_share(p, centre, radius, disc.step); }, 20, seed);
         slice.plane = make_plane({10, -20, 300}, {0.3, -0.8, 0.5});
         const std::vector<Vec2> ring = ring_around(costs_of(slice), centre, radius, disc.turn);
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(steps, Disc,
 TEST(Livewire, is_straight_where_the_picture_is_constant) {
     std::mt19937 random(4);
     for (const Vec2 step : {Vec2{1, 1}, Vec2{0.5, 1.5}, Vec2{3, 0.7}}) {
-        const PixelGrid grid{{70, 50}, step};
+        const PictureGrid grid{{70, 50}, step};
         const LivewireCosts costs = costs_of(picture(grid, [](Vec2) { return -1024.3; }));
         Livewire wire(costs);
         for (int n = 0; n < 100; ++n) {
@@ -137,7 +137,7 @@ TEST(Livewire, is_straight_where_the_picture_is_constant) {
 TEST(Livewire, starts_at_the_anchor_and_ends_at_the_pointer_through_neighbours) {
     std::mt19937 random(5);
     for (std::uint32_t n = 0; n < 40; ++n) {
-        const PixelGrid grid{{40 + n, 90 - n}, {0.8, 1.1}};
+        const PictureGrid grid{{40 + n, 90 - n}, {0.8, 1.1}};
         const LivewireCosts costs = costs_of(picture(
             grid, [](Vec2) { return 0.0; }, 1, unsigned(n)));
         Livewire wire(costs, {.window_pixels = 1, .margin = 1 + n});
@@ -161,7 +161,7 @@ TEST(Livewire, is_that_of_the_whole_picture_where_it_says_so) {
     std::mt19937 random(6);
     int cheapest = 0, open = 0;
     for (int n = 0; n < 30; ++n) {
-        const PixelGrid grid{{120, 110}, {1, 1}};
+        const PictureGrid grid{{120, 110}, {1, 1}};
         const LivewireCosts costs = costs_of(picture(
             grid, [&](Vec2 p) { return 5 * std::sin(0.1 * p.x) * std::sin(0.07 * p.y * n); }, 1,
             unsigned(n)));
@@ -189,7 +189,7 @@ std::size_t area(const PixelWindow& window) {
 }
 
 TEST(Livewire, the_window_has_the_pixels_that_may_be_searched_and_the_margin) {
-    const PixelGrid grid{{600, 500}, {1, 1}};
+    const PictureGrid grid{{600, 500}, {1, 1}};
     const LivewireCosts costs = costs_of(picture(
         grid, [](Vec2) { return 0.0; }, 1));
     std::mt19937 random(8);
@@ -217,7 +217,7 @@ TEST(Livewire, the_window_has_the_pixels_that_may_be_searched_and_the_margin) {
 
 TEST(Livewire, work_ahead_changes_no_line) {
     std::mt19937 random(12);
-    const PixelGrid grid{{90, 70}, {1, 1}};
+    const PictureGrid grid{{90, 70}, {1, 1}};
     for (unsigned n = 0; n < 20; ++n) {
         const LivewireCosts costs = costs_of(picture(
             grid, [](Vec2 p) { return p.x; }, 5, n));
@@ -237,7 +237,7 @@ TEST(Livewire, work_ahead_changes_no_line) {
 }
 
 TEST(Livewire, a_pointer_beyond_the_picture_leads_to_its_border_and_is_told) {
-    const PixelGrid grid{{30, 20}, {0.5, 2}};
+    const PictureGrid grid{{30, 20}, {0.5, 2}};
     const LivewireCosts costs = costs_of(picture(
         grid, [](Vec2) { return 0.0; }, 1));
     Livewire wire(costs);
@@ -252,7 +252,7 @@ TEST(Livewire, a_pointer_beyond_the_picture_leads_to_its_border_and_is_told) {
 }
 
 TEST(Livewire, points_that_are_not_finite_are_refused_and_change_nothing) {
-    const PixelGrid grid{{30, 20}, {1, 1}};
+    const PictureGrid grid{{30, 20}, {1, 1}};
     const LivewireCosts costs = costs_of(picture(
         grid, [](Vec2) { return 0.0; }, 1));
     Livewire wire(costs);
@@ -269,8 +269,8 @@ TEST(Livewire, points_that_are_not_finite_are_refused_and_change_nothing) {
 TEST(Livewire, pixels_without_a_value_cost_the_most_and_break_nothing) {
     for (const float bad :
          {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
-        const PixelGrid grid{{60, 60}, {1, 1}};
-        GreySlice slice = picture(
+        const PictureGrid grid{{60, 60}, {1, 1}};
+        GreyPicture slice = picture(
             grid, [](Vec2 p) { return p.y < 30.5 ? 0.0 : 100.0; }, 5);
         // The edge runs along row 30; the wall covers all rows but those around it.
         for (std::uint32_t j = 0; j < 60; ++j) {
@@ -298,7 +298,7 @@ TEST(Livewire, pixels_without_a_value_cost_the_most_and_break_nothing) {
 }
 
 TEST(Livewire, the_smallest_pictures_are_pictures) {
-    for (const PixelGrid grid : {PixelGrid{{1, 1}, {1, 1}}, {{2, 1}, {0.1, 9}}, {{1, 3}, {1, 1}}}) {
+    for (const PictureGrid grid : {PictureGrid{{1, 1}, {1, 1}}, {{2, 1}, {0.1, 9}}, {{1, 3}, {1, 1}}}) {
         const LivewireCosts costs = costs_of(picture(grid, [](Vec2 p) { return p.x + p.y; }));
         Livewire wire(costs);
         ASSERT_TRUE(wire.set_anchor({0, 0}).ok());
@@ -310,7 +310,7 @@ TEST(Livewire, the_smallest_pictures_are_pictures) {
 
 // Typically 1 ms; the bound is loose, since other programs run beside tests.
 TEST(Livewire, answers_a_moving_pointer_in_time) {
-    const PixelGrid grid{{512, 512}, {0.7, 0.7}};
+    const PictureGrid grid{{512, 512}, {0.7, 0.7}};
     const LivewireCosts costs = costs_of(picture(
         grid, [](Vec2 p) { return 100 * std::sin(0.05 * p.x) * std::cos(0.04 * p.y); }, 20));
     Livewire wire(costs);

@@ -48,7 +48,7 @@ struct DrawnSamples {
 
 // The pixel with the strongest gradient within a distance; of equal ones the first.
 std::uint32_t snapped(const EdgeFeatures& features, Pixel at, double distance_mm) {
-    const PixelGrid& grid = features.grid;
+    const PictureGrid& grid = features.grid;
     const auto low = [&](std::uint32_t place, double step) {
         return place - std::min(place, static_cast<std::uint32_t>(distance_mm / step));
     };
@@ -79,7 +79,7 @@ bool add_pixel(const EdgeFeatures& features, std::uint32_t v, Samples& samples) 
 
 void add_place(const EdgeFeatures& features, std::uint32_t v, DrawnSamples& samples) {
     if (!add_pixel(features, v, samples.on)) return;
-    const PixelGrid& grid = features.grid;
+    const PictureGrid& grid = features.grid;
     const Vec2 across = (grid.mean_step() / features.gradient_magnitude(v)) *
                         Vec2{features.gradient_x[v], features.gradient_y[v]};
     for (const double steps : steps_beside) {
@@ -93,7 +93,7 @@ void add_place(const EdgeFeatures& features, std::uint32_t v, DrawnSamples& samp
 // Adds the places along one segment, at half pixels; `last` is the pixel that was added before.
 void add_segment(const DrawnPath& path, Vec2 a, Vec2 b, double snap_mm, std::uint32_t& last,
                  DrawnSamples& samples) {
-    const PixelGrid& grid = path.features->grid;
+    const PictureGrid& grid = path.features->grid;
     // A segment that leaves the picture says nothing of an edge there.
     if (!grid.nearest(a).inside || !grid.nearest(b).inside) return;
     const double halves = 2 * std::max(std::abs(b.x - a.x) / grid.step.x, std::abs(b.y - a.y) / grid.step.y);
@@ -175,7 +175,7 @@ FeatureCost feature_cost(std::vector<double> on, const std::vector<double>& besi
 
 Status check_points(const DrawnPath& path) {
     for (std::size_t n = 0; n < path.points.size(); ++n) {
-        ANATOMESH_CHECK_STATUS(check_point(path.points[n], "point " + std::to_string(n)));
+        ANATOMESH_CHECK_STATUS(check_picture_point(path.points[n], "point " + std::to_string(n)));
     }
     return Nothing{};
 }

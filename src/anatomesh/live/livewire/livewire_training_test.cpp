@@ -25,7 +25,7 @@ double weak_edge(double y) {
 constexpr double apart = 6;  // mm
 constexpr double height = 300;
 
-GreySlice two_edges(unsigned seed, double noise = 4) {
+GreyPicture two_edges(unsigned seed, double noise = 4) {
     return picture(
         {{110, 301}, {1, 1}},
         [](Vec2 p) {
@@ -94,7 +94,7 @@ TEST(LivewireTraining, costs_least_what_was_seen_most) {
 
 // Where there is one edge alone, training does no harm: the ring around a disc in noise stays as near to it.
 TEST(LivewireTraining, a_trained_wire_follows_a_disc_as_well) {
-    const PixelGrid grid{{96, 96}, {1, 1}};
+    const PictureGrid grid{{96, 96}, {1, 1}};
     const double radius = 30;
     for (unsigned seed = 1; seed <= 20; ++seed) {
         const auto disc = [&](Vec2 centre, unsigned of_noise) {
@@ -136,7 +136,7 @@ TEST(LivewireTraining, the_direction_of_drawing_does_not_matter) {
 }
 
 TEST(LivewireTraining, a_ring_is_closed_and_a_line_is_not) {
-    const PixelGrid grid{{60, 60}, {1, 1}};
+    const PictureGrid grid{{60, 60}, {1, 1}};
     const EdgeFeatures features = features_of(picture(
         grid, [](Vec2 p) { return std::max(std::abs(p.x - 30), std::abs(p.y - 30)) < 15 ? 90.0 : 0; }));
     const std::vector<Vec2> square{{15, 15}, {45, 15}, {45, 45}, {15, 45}};
@@ -148,7 +148,7 @@ TEST(LivewireTraining, a_ring_is_closed_and_a_line_is_not) {
 
 TEST(LivewireTraining, one_grey_value_on_each_side_is_no_division_by_zero) {
     // Without noise or smoothing all places are equal.
-    const PixelGrid grid{{40, 40}, {1, 1}};
+    const PictureGrid grid{{40, 40}, {1, 1}};
     const EdgeFeatures features =
         features_of(picture(grid, [](Vec2 p) { return p.x < 20 ? 1.0 : 2.0; }), {.smoothing = 0});
     const std::vector<Vec2> points{{20, 0}, {20, 39}};

@@ -11,7 +11,7 @@ namespace {
 // Labels in the queue differ by a step's cost at most. [1; a power of two; D]
 constexpr std::uint32_t buckets = most_step_cost + 1;
 
-[[maybe_unused]] bool lies_in_picture(const PixelWindow& window, const PixelGrid& grid) {
+[[maybe_unused]] bool lies_in_picture(const PixelWindow& window, const PictureGrid& grid) {
     return window.left < window.right && window.right <= grid.size[0] && window.top < window.bottom &&
            window.bottom <= grid.size[1];
 }
@@ -122,7 +122,7 @@ bool ShortestPaths::settle_next(std::uint32_t count) {
 
 std::vector<std::uint32_t> ShortestPaths::path(std::uint32_t pixel) const {
     assert(is_settled(pixel));
-    const PixelGrid& grid = costs_->grid;
+    const PictureGrid& grid = costs_->grid;
     const PixelWindow picture{0, 0, grid.size[0], grid.size[1]};
     const Vec2 start = grid.position(grid.pixel(source_));
     const Vec2 along = grid.position(grid.pixel(pixel)) - start;

@@ -13,7 +13,7 @@ using testing::random_costs;
 
 constexpr std::uint32_t unreached = ShortestPaths::unreached;
 
-PixelWindow whole(const PixelGrid& grid) {
+PixelWindow whole(const PictureGrid& grid) {
     return {0, 0, grid.size[0], grid.size[1]};
 }
 
@@ -21,7 +21,7 @@ std::uint32_t between(std::uint32_t low, std::uint32_t high, std::mt19937& rando
     return low + static_cast<std::uint32_t>(random() % (high - low));
 }
 
-PixelWindow random_window(const PixelGrid& grid, std::mt19937& random) {
+PixelWindow random_window(const PictureGrid& grid, std::mt19937& random) {
     PixelWindow window;
     window.left = between(0, grid.size[0], random);
     window.top = between(0, grid.size[1], random);
@@ -30,7 +30,7 @@ PixelWindow random_window(const PixelGrid& grid, std::mt19937& random) {
     return window;
 }
 
-std::uint32_t random_pixel(const PixelGrid& grid, const PixelWindow& window, std::mt19937& random) {
+std::uint32_t random_pixel(const PictureGrid& grid, const PixelWindow& window, std::mt19937& random) {
     return grid.index(
         {between(window.left, window.right, random), between(window.top, window.bottom, random)});
 }
@@ -51,7 +51,7 @@ std::uint32_t step_between(const LivewireCosts& costs, std::uint32_t a, std::uin
 // Bellman and Ford: lowers the costs of all pixels along all steps until none changes.
 std::vector<std::uint32_t> by_force(const LivewireCosts& costs, std::uint32_t source,
                                     const PixelWindow& window) {
-    const PixelGrid& grid = costs.grid;
+    const PictureGrid& grid = costs.grid;
     std::vector<std::uint32_t> cost(grid.count(), unreached);
     cost[source] = 0;
     for (bool changed = true; changed;) {
@@ -89,7 +89,7 @@ template <class Check>
 void for_random_pictures(int count, const Check& check) {
     std::mt19937 random(3);
     for (int n = 0; n < count; ++n) {
-        PixelGrid grid{{between(1, 24, random), between(1, 24, random)}, {0.5, 1.5}};
+        PictureGrid grid{{between(1, 24, random), between(1, 24, random)}, {0.5, 1.5}};
         if (n % 10 == 0) grid.size[n / 10 % 2] = 1;
         const std::uint32_t most = n % 3 == 0 ? 2 : n % 3 == 1 ? 30 : most_step_cost;
         check(random_costs(grid, most, random), random);
@@ -130,7 +130,7 @@ TEST(ShortestPaths, cost_the_same_in_both_directions) {
 TEST(ShortestPaths, a_window_that_grows_gives_the_paths_of_a_new_search) {
     int kept = 0, open = 0;
     for_random_pictures(300, [&](const LivewireCosts& costs, std::mt19937& random) {
-        const PixelGrid& grid = costs.grid;
+        const PictureGrid& grid = costs.grid;
         PixelWindow window = random_window(grid, random);
         const std::uint32_t source = random_pixel(grid, window, random);
         ShortestPaths growing(costs), all(costs);
@@ -183,7 +183,7 @@ TEST(ShortestPaths, paths_do_not_depend_on_what_was_asked_before) {
 
 // The largest step costs everywhere, along the longest side: no label overflows.
 TEST(ShortestPaths, the_largest_costs_add_up) {
-    const PixelGrid grid{{most_pixels_of_side, 3}, {1, 1}};
+    const PictureGrid grid{{most_pixels_of_side, 3}, {1, 1}};
     std::mt19937 random(1);
     LivewireCosts costs = random_costs(grid, 1, random);
     for (std::uint16_t& step : costs.steps) step = static_cast<std::uint16_t>(step * most_step_cost);

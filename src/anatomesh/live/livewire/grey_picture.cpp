@@ -1,4 +1,4 @@
-#include "anatomesh/live/livewire/grey_slice.h"
+#include "anatomesh/live/livewire/grey_picture.h"
 
 #include <algorithm>
 #include <cassert>
@@ -21,13 +21,13 @@ constexpr double longest_pixel_in_widths = 200;
 // [1; 0 to 0.01; D digits of files]
 constexpr double frame_tolerance = 1e-4;
 
-Error slice_error(const GreySlice& slice, ErrorKind kind, const char* code, std::string message,
-                  std::string value, std::string next_step) {
+Error picture_error(const GreyPicture& picture, ErrorKind kind, const char* code, std::string message,
+                    std::string value, std::string next_step) {
     return {
-        kind, code, std::move(message), {slice.source, "", "", "", std::move(value)}, std::move(next_step)};
+        kind, code, std::move(message), {picture.source, "", "", "", std::move(value)}, std::move(next_step)};
 }
 
-std::string size_text(const PixelGrid& grid) {
+std::string size_text(const PictureGrid& grid) {
     return std::to_string(grid.size[0]) + " x " + std::to_string(grid.size[1]) + " pixels";
 }
 
@@ -48,7 +48,7 @@ bool is_frame(const Plane& plane) {
 
 }  // namespace
 
-NearestPixel PixelGrid::nearest(Vec2 p) const {
+NearestPixel PictureGrid::nearest(Vec2 p) const {
     assert(count() > 0 && std::isfinite(p.x) && std::isfinite(p.y));
     const auto along = [](double at, std::uint32_t side, bool& inside) {
         inside = inside && at >= -0.5 && at <= side - 0.5;
@@ -60,41 +60,41 @@ NearestPixel PixelGrid::nearest(Vec2 p) const {
     return nearest;
 }
 
-Status check_grey_slice(const GreySlice& slice) {
-    const PixelGrid& grid = slice.grid;
+Status check_grey_picture(const GreyPicture& picture) {
+    const PictureGrid& grid = picture.grid;
     if (grid.size[0] == 0 || grid.size[1] == 0) {
-        return slice_error(slice, ErrorKind::input, "E-LIV-101", "the picture has no pixel", size_text(grid),
-                           "give a picture with a column and a row at least");
+        return picture_error(picture, ErrorKind::input, "E-LIV-101", "the picture has no pixel",
+                             size_text(grid), "give a picture with a column and a row at least");
     }
     if (std::max(grid.size[0], grid.size[1]) > most_pixels_of_side || grid.count() > most_pixels) {
-        return slice_error(slice, ErrorKind::limit, "E-LIV-102",
-                           "the picture has more pixels than a livewire can be led through", size_text(grid),
-                           "cut the picture, or make its pixels larger; " + std::to_string(most_pixels) +
-                               " pixels are possible, " + std::to_string(most_pixels_of_side) +
-                               " along a side");
+        return picture_error(
+            picture, ErrorKind::limit, "E-LIV-102",
+            "the picture has more pixels than a livewire can be led through", size_text(grid),
+            "cut the picture, or make its pixels larger; " + std::to_string(most_pixels) +
+                " pixels are possible, " + std::to_string(most_pixels_of_side) + " along a side");
     }
     const double shorter = std::min(grid.step.x, grid.step.y), longer = std::max(grid.step.x, grid.step.y);
     if (!is_possible_step(grid.step.x) || !is_possible_step(grid.step.y) ||
         longer > longest_pixel_in_widths * shorter) {
-        return slice_error(slice, ErrorKind::input, "E-LIV-103", "the pixels cannot have this spacing",
-                           number_text(grid.step.x) + " x " + number_text(grid.step.y) + " mm",
-                           "correct the spacing of the picture");
+        return picture_error(picture, ErrorKind::input, "E-LIV-103", "the pixels cannot have this spacing",
+                             number_text(grid.step.x) + " x " + number_text(grid.step.y) + " mm",
+                             "correct the spacing of the picture");
     }
-    if (slice.pixels.size() != grid.count()) {
-        return slice_error(slice, ErrorKind::input, "E-LIV-104",
-                           "the picture has another number of values than of pixels",
-                           std::to_string(slice.pixels.size()) + " values, " + size_text(grid),
-                           "give a value for each pixel");
+    if (picture.pixels.size() != grid.count()) {
+        return picture_error(picture, ErrorKind::input, "E-LIV-104",
+                             "the picture has another number of values than of pixels",
+                             std::to_string(picture.pixels.size()) + " values, " + size_text(grid),
+                             "give a value for each pixel");
     }
-    if (!is_frame(slice.plane)) {
-        return slice_error(slice, ErrorKind::input, "E-LIV-105",
-                           "the picture's axes are no perpendicular directions of length 1", "",
-                           "correct the position and the orientation of the picture");
+    if (!is_frame(picture.plane)) {
+        return picture_error(picture, ErrorKind::input, "E-LIV-105",
+                             "the picture's axes are no perpendicular directions of length 1", "",
+                             "correct the position and the orientation of the picture");
     }
     return Nothing{};
 }
 
-Status check_point(Vec2 point, const std::string& name) {
+Status check_picture_point(Vec2 point, const std::string& name) {
     if (std::isfinite(point.x) && std::isfinite(point.y)) return Nothing{};
     return Error{ErrorKind::input,
                  "E-LIV-106",

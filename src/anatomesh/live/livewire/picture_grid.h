@@ -1,4 +1,4 @@
-// PixelGrid: where the pixels of a plane picture lie, in millimetres.
+// PictureGrid: where the pixels of a plane picture lie, in millimetres.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct NearestPixel {
 };
 
 // The centre of pixel (i, j) lies at (i step.x, j step.y) in the picture's plane. Steps may differ.
-struct PixelGrid {
+struct PictureGrid {
     std::array<std::uint32_t, 2> size{0, 0};
     Vec2 step{1, 1};  // mm; finite and > 0
 
@@ -38,7 +38,7 @@ struct PixelGrid {
     // Requires: a pixel at least; p is finite. O(1).
     NearestPixel nearest(Vec2 p) const;
 
-    friend bool operator==(const PixelGrid&, const PixelGrid&) = default;
+    friend bool operator==(const PictureGrid&, const PictureGrid&) = default;
 };
 
 }  // namespace anatomesh
