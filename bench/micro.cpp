@@ -15,6 +15,7 @@
 #include "anatomesh/field/slice/bit_volume.h"
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/distance_raster.h"
+#include "anatomesh/live/livewire/livewire.h"
 #include "delaunay_peer.h"
 
 namespace {
@@ -198,6 +199,75 @@ void delaunay_insertion(benchmark::State& state) {
     }
 }
 BENCHMARK(delaunay_insertion)->Unit(benchmark::kMillisecond);
+
+// A slice of n x n pixels with twelve bright discs, and noise of a fifth of their contrast.
+GreyPicture discs_in_noise(std::uint32_t side) {
+    const double n = side;
+    std::mt19937 random(1);
+    std::normal_distribution<double> noise(0, 20);
+    GreyPicture slice;
+    slice.grid = {{side, side}, {0.7, 0.7}};
+    slice.pixels.resize(slice.grid.count());
+    for (std::uint32_t v = 0; v < slice.pixels.size(); ++v) {
+        const Pixel p = slice.grid.pixel(v);
+        double grey = noise(random);
+        for (int disc = 0; disc < 12; ++disc) {
+            const Vec2 middle{n * (0.1 + disc * 7 % 12 / 15.0), n * (0.1 + disc * 5 % 12 / 15.0)};
+            if (length(Vec2{double(p.i), double(p.j)} - middle) < 0.03 * n * (1 + disc % 4)) grey += 100;
+        }
+        slice.pixels[v] = static_cast<float>(grey);
+    }
+    return slice;
+}
+
+// Argument of all: the pixels of a side.
+void livewire_features(benchmark::State& state) {
+    const GreyPicture slice = discs_in_noise(static_cast<std::uint32_t>(state.range(0)));
+    RunContext context;
+    for (auto _ : state) benchmark::DoNotOptimize(find_edge_features(slice, {}, context));
+}
+BENCHMARK(livewire_features)->Arg(512)->Arg(1024)->Unit(benchmark::kMillisecond);
+
+LivewireCosts costs_of_discs(std::uint32_t n) {
+    RunContext context;
+    const EdgeFeatures features = find_edge_features(discs_in_noise(n), {}, context).value();
+    return make_livewire_costs(features, nullptr, {}, context).value();
+}
+
+void livewire_costs(benchmark::State& state) {
+    RunContext context;
+    const GreyPicture slice = discs_in_noise(static_cast<std::uint32_t>(state.range(0)));
+    const EdgeFeatures features = find_edge_features(slice, {}, context).value();
+    for (auto _ : state) benchmark::DoNotOptimize(make_livewire_costs(features, nullptr, {}, context));
+}
+BENCHMARK(livewire_costs)->Arg(512)->Arg(1024)->Unit(benchmark::kMillisecond);
+
+// A click, and a pointer up to 100 pixels away along each axis: what a user waits for.
+void livewire_line(benchmark::State& state) {
+    const LivewireCosts costs = costs_of_discs(static_cast<std::uint32_t>(state.range(0)));
+    Livewire wire(costs);
+    std::mt19937 random(2);
+    const auto below = [&](std::uint32_t bound) { return 0.7 * (random() % bound); };
+    for (auto _ : state) {
+        const Vec2 anchor{below(costs.grid.size[0]), below(costs.grid.size[1])};
+        const Vec2 pointer = anchor + Vec2{below(201) - 70, below(201) - 70};
+        benchmark::DoNotOptimize(wire.set_anchor(anchor));
+        benchmark::DoNotOptimize(wire.line_to(pointer));
+    }
+}
+BENCHMARK(livewire_line)->Arg(512)->Arg(1024)->Unit(benchmark::kMillisecond);
+
+// All paths from the middle: the most that one anchor costs.
+void livewire_all_paths(benchmark::State& state) {
+    const LivewireCosts costs = costs_of_discs(static_cast<std::uint32_t>(state.range(0)));
+    Livewire wire(costs);
+    const Vec2 middle = 0.5 * costs.grid.position({costs.grid.size[0], costs.grid.size[1]});
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(wire.set_anchor(middle));
+        benchmark::DoNotOptimize(wire.settle_ahead(static_cast<std::uint32_t>(costs.grid.count())));
+    }
+}
+BENCHMARK(livewire_all_paths)->Arg(512)->Arg(1024)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 
