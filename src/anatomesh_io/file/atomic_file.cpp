@@ -36,30 +36,6 @@ Error file_error(const char* code, std::string message, const std::string& path,
     return error;
 }
 
-std::string reason(int error_number) {
-    return std::generic_category().message(error_number);
-}
-
-std::string advice(int error_number) {
-    switch (error_number) {
-        case ENOSPC:
-            return "free space on the disk or write to another one";
-        case EDQUOT:
-            return "your disk quota is used up: free space or write elsewhere";
-        case EFBIG:
-            return "the file is larger than the limit for one file: raise it or write elsewhere";
-        case EACCES:
-        case EPERM:
-        case EROFS:
-            return "choose a folder that you may write to";
-        case EMFILE:
-        case ENFILE:
-            return "too many files are open: close other programs or raise the limit";
-        default:
-            return "check the disk, or write to another one";
-    }
-}
-
 // Tells this machine (and container) from others that share the folder, so that only own process ids are
 // judged.
 std::string machine_tag() {
@@ -138,14 +114,14 @@ Status check_folder(const std::string& folder, const std::string& path) {
             return file_error("E-FILE-001", "the folder " + folder + " does not exist", path,
                               "create the folder, or choose another one");
         }
-        return file_error("E-FILE-002", "the folder cannot be used: " + reason(why), path, advice(why));
+        return file_error("E-FILE-002", "the folder cannot be used: " + reason_of(why), path, advice_of(why));
     }
     if (!S_ISDIR(status.st_mode)) {
         return file_error("E-FILE-001", folder + " is not a folder", path, "choose a folder");
     }
     // A folder without any write permission is meant to stay as it is, even when the user is root.
     if ((status.st_mode & 0222) == 0 || ::access(folder.c_str(), W_OK | X_OK) != 0) {
-        return file_error("E-FILE-002", "the folder " + folder + " is read-only", path, advice(EACCES));
+        return file_error("E-FILE-002", "the folder " + folder + " is read-only", path, advice_of(EACCES));
     }
     return Nothing{};
 }
@@ -212,30 +188,9 @@ Result<Temporary> create_temporary(const Target& target, const std::string& path
         if (why != EEXIST) break;
     }
     return file_error("E-FILE-007",
-                      "no temporary file can be created in " + target.folder + ": " + reason(why), path,
-                      advice(why));
+                      "no temporary file can be created in " + target.folder + ": " + reason_of(why), path,
+                      advice_of(why));
 }
-
-// Keeps SIGXFSZ (file larger than RLIMIT_FSIZE) from ending the process: write() then gives EFBIG.
-class FileSizeSignalGuard {
-  public:
-    FileSizeSignalGuard() {
-        sigemptyset(&signals_);
-        sigaddset(&signals_, SIGXFSZ);
-        ::pthread_sigmask(SIG_BLOCK, &signals_, &before_);
-    }
-    ~FileSizeSignalGuard() {
-        const timespec no_wait{};
-        while (::sigtimedwait(&signals_, nullptr, &no_wait) < 0 && errno == EINTR) {
-        }
-        ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-    }
-    FileSizeSignalGuard(const FileSizeSignalGuard&) = delete;
-    FileSizeSignalGuard& operator=(const FileSizeSignalGuard&) = delete;
-
-  private:
-    sigset_t signals_{}, before_{};
-};
 
 }  // namespace
 
@@ -306,20 +261,10 @@ void AtomicFile::release() noexcept {
 
 Status AtomicFile::write(std::string_view data) {
     assert(!finished_ && descriptor_ >= 0);
-    const FileSizeSignalGuard guard;
-    while (!data.empty()) {
-        const std::size_t piece = std::min<std::size_t>(data.size(), std::size_t{1} << 30);
-        const ssize_t written = calls_->write(descriptor_, data.data(), piece);
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0) {
-            const int why = written < 0 ? errno : EIO;
-            return file_error("E-FILE-008",
-                              "writing failed after " + std::to_string(size_) + " bytes: " + reason(why),
-                              path_, advice(why));
-        }
-        size_ += static_cast<std::uint64_t>(written);
-        data.remove_prefix(static_cast<std::size_t>(written));
-    }
+    if (const int why = write_checked(descriptor_, data, size_, *calls_); why != 0)
+        return file_error("E-FILE-008",
+                          "writing failed after " + std::to_string(size_) + " bytes: " + reason_of(why),
+                          path_, advice_of(why));
     return Nothing{};
 }
 
@@ -330,8 +275,8 @@ Status AtomicFile::finish() {
     if (const int why = synced != 0 ? synced : closed; why != 0) {
         return file_error(
             "E-FILE-009",
-            "the " + std::to_string(size_) + " bytes could not be written to the disk: " + reason(why), path_,
-            advice(why));
+            "the " + std::to_string(size_) + " bytes could not be written to the disk: " + reason_of(why),
+            path_, advice_of(why));
     }
     finished_ = true;
     return Nothing{};
@@ -356,8 +301,8 @@ Status AtomicFile::place() {
         placed_ = how;
         return Nothing{};
     }
-    return file_error("E-FILE-010", "the finished file could not be renamed: " + reason(why), path_,
-                      advice(why));
+    return file_error("E-FILE-010", "the finished file could not be renamed: " + reason_of(why), path_,
+                      advice_of(why));
 }
 
 void AtomicFile::take_back() {
@@ -414,8 +359,8 @@ Status AtomicFileSet::sync_once(const AtomicFile& file, std::vector<std::string>
     if (std::find(synced.begin(), synced.end(), folder) != synced.end()) return Nothing{};
     synced.push_back(folder);
     if (const int why = sync_folder(folder, calls); why != 0)
-        return file_error("E-FILE-009", "folder " + folder + " could not be synced: " + reason(why),
-                          file.path_, advice(why));
+        return file_error("E-FILE-009", "folder " + folder + " could not be synced: " + reason_of(why),
+                          file.path_, advice_of(why));
     return Nothing{};
 }
 
@@ -433,8 +378,8 @@ Result<std::string> AtomicFileSet::begin_journal(const std::vector<AtomicFile>& 
     std::string journal = files.front().temporary_ + std::string(journal_suffix);
     if (const int why = write_journal(journal, pending, *calls_); why != 0) {
         return file_error("E-FILE-007",
-                          "no list of the outputs can be written in their folder: " + reason(why),
-                          files.front().path_, advice(why));
+                          "no list of the outputs can be written in their folder: " + reason_of(why),
+                          files.front().path_, advice_of(why));
     }
     return journal;
 }

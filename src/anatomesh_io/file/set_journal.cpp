@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "anatomesh_io/file/durable_calls.h"
@@ -40,14 +41,10 @@ bool is_of_this_user(const struct stat& state) {
     return S_ISREG(state.st_mode) && state.st_uid == ::geteuid();
 }
 
-int write_all(int descriptor, std::string_view bytes, SystemCalls& calls) {
-    while (!bytes.empty()) {
-        const ssize_t written =
-            uninterrupted([&] { return calls.write(descriptor, bytes.data(), bytes.size()); });
-        if (written <= 0) return written < 0 ? errno : EIO;
-        bytes.remove_prefix(static_cast<std::size_t>(written));
-    }
-    return sync_checked(descriptor, calls);
+int write_and_sync(int descriptor, std::string_view bytes, SystemCalls& calls) {
+    std::uint64_t written = 0;
+    const int failed = write_checked(descriptor, bytes, written, calls);
+    return failed != 0 ? failed : sync_checked(descriptor, calls);
 }
 
 // Nothing where it is none of this user's.
@@ -114,7 +111,7 @@ int write_journal(const std::string& path, const std::vector<PendingOutput>& out
     const int descriptor = uninterrupted(
         [&] { return calls.open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600); });
     if (descriptor < 0) return errno;
-    int failed = write_all(descriptor, bytes, calls);
+    int failed = write_and_sync(descriptor, bytes, calls);
     const int closed = close_checked(descriptor, calls);
     if (failed == 0) failed = closed;
     if (failed == 0) failed = sync_folder(folder_of(path), calls);

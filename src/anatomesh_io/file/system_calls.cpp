@@ -15,6 +15,9 @@ int SystemCalls::open(const char* path, int flags, mode_t mode) {
 ssize_t SystemCalls::write(int descriptor, const void* data, std::size_t size) {
     return ::write(descriptor, data, size);
 }
+int SystemCalls::truncate(int descriptor, off_t size) {
+    return ::ftruncate(descriptor, size);
+}
 int SystemCalls::fsync(int descriptor) {
     return ::fsync(descriptor);
 }

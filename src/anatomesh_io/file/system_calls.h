@@ -13,6 +13,7 @@ class SystemCalls {
   public:
     virtual int open(const char* path, int flags, mode_t mode);
     virtual ssize_t write(int descriptor, const void* data, std::size_t size);
+    virtual int truncate(int descriptor, off_t size);  // ftruncate
     virtual int fsync(int descriptor);
     virtual int close(int descriptor);
     virtual int rename(const char* from, const char* to);
