@@ -44,6 +44,14 @@ inline void append_number(std::string& text, double value) {
     text.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
 }
 
+// The same for JSON. Its readers take a number without a point for an integer, which has no negative zero: -0 is "-0.0".
+inline void append_json_number(std::string& text, double value) {
+    if (value == 0 && std::signbit(value))
+        text += "-0.0";
+    else
+        append_number(text, value);
+}
+
 template <class T>
 void append_integer(std::string& text, T value) {
     char buffer[24];

@@ -26,6 +26,18 @@ TEST(NumberText, reads_back_as_the_same_number) {
     }
 }
 
+TEST(NumberText, of_json_keeps_the_sign_of_zero_for_readers_of_integers) {
+    const auto text = [](double value) {
+        std::string out = "x";
+        append_json_number(out, value);
+        return out.substr(1);
+    };
+    EXPECT_EQ(text(-0.0), "-0.0");
+    EXPECT_EQ(text(0.0), "0");
+    EXPECT_EQ(text(-7), "-7");
+    EXPECT_EQ(text(0.1), "0.1");
+}
+
 TEST(NumberText, has_no_exponent_where_people_write_none) {
     EXPECT_EQ(plain_text(0.4), "0.4");
     EXPECT_EQ(plain_text(10), "10");

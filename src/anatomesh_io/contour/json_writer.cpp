@@ -15,11 +15,11 @@ void append_text(std::string& out, const std::string& text) {
 
 void append_vector(std::string& out, Vec3 p) {
     out += '[';
-    append_number(out, p.x);
+    append_json_number(out, p.x);
     out += ", ";
-    append_number(out, p.y);
+    append_json_number(out, p.y);
     out += ", ";
-    append_number(out, p.z);
+    append_json_number(out, p.z);
     out += ']';
 }
 
