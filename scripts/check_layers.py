@@ -29,6 +29,7 @@ live/preview
 live/draw/area
 live/draw/area live/draw
 live/livewire
+live/edit
 """.split()
 MOST_FILES, MOST_LINES = 25, 3200
 FOREIGN = {"boost", "tbb", "oneapi"}

@@ -1,0 +1,22 @@
+// check_rings: whether rings can stand on a plane.
+#pragma once
+
+#include <span>
+
+#include "anatomesh/base/result.h"
+#include "anatomesh/geom/plane.h"
+#include "anatomesh/live/edit/drawn_rings.h"
+#include "anatomesh/live/edit/edit.h"
+
+namespace anatomesh {
+
+// Every coordinate is finite and within 1e7 mm, every ring has three points or more, and every point and control point
+// lies within 0.01 mm of the plane. Rings may touch at points; that they do not cross and do not share a stretch is asked for with
+// CrossingCheck::yes and decided exactly, in the plane's coordinates of the points. `place` says where, for messages.
+// Errors: E-EDT-005 to -008. Complexity: O(points), with crossings O(points log points) for rings that keep apart.
+Status check_rings(const DrawnRings& rings, const Plane& plane, CrossingCheck crossings, const Place& place);
+
+// Whether a coordinate is finite and within 1e7 mm.
+bool is_possible(Vec3 p);
+
+}  // namespace anatomesh
