@@ -42,9 +42,11 @@ TEST_P(RandomHistories, undoing_all_gives_the_first_drawing_and_redoing_all_the_
     EditHistory history(Drawing({Frame::lps, 0.7, 2.5}));
     std::vector<Drawing> noted{history.drawing()};
     const std::size_t count = 200 + GetParam() % 300;
-    while (history.done().size() < count)
-        ASSERT_TRUE(history.apply(steps.step(history.drawing())).ok() &&
-                    (noted.push_back(history.drawing()), true));
+    while (history.done().size() < count) {
+        ASSERT_TRUE(history.apply(steps.step(history.drawing())).ok());
+        ASSERT_FALSE(same_drawing(history.drawing(), noted.back())) << "each step changes something";
+        noted.push_back(history.drawing());
+    }
     for (int way = 0; way < 2; ++way) {
         for (std::size_t n = count; n-- > 0;) {
             ASSERT_TRUE(undo(history));
