@@ -70,6 +70,8 @@ const std::vector<LimitEntry>& entries() {
         entry("points", "", "points of all contours of a file", most_32, ANATOMESH_FIELD(contour.points)),
         entry("coordinate", "mm", "largest coordinate of a contour file",
               static_cast<std::uint64_t>(coordinate_bound_mm), ANATOMESH_FIELD(contour.coordinate_mm)),
+        entry("project-points", "", "points of all steps of a project, also of those undone", most_32,
+              ANATOMESH_FIELD(project_points)),
         entry("tetrahedra", "", "tetrahedra of a model, as estimated before it is built", most,
               ANATOMESH_FIELD(tetrahedra)),
         entry("memory-bytes", "bytes",

@@ -9,6 +9,7 @@
 #include "anatomesh_io/contour/contour_limits.h"
 #include "anatomesh_io/file/input_file.h"
 #include "anatomesh_io/network/request_budget.h"
+#include "anatomesh_io/project/read_project.h"
 
 namespace anatomesh {
 
@@ -17,6 +18,7 @@ struct Limits {
     InputLimits input;
     ContourLimits contour;
     RequestLimits request;  // to a peer
+    std::uint64_t project_points = ProjectLimits{}.points;
     std::uint64_t voxels;
     std::uint64_t tetrahedra;
     std::uint64_t memory_bytes = 0;  // 0: 80 % of what the machine, or the control group of the process, has

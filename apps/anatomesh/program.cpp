@@ -122,6 +122,14 @@ const VerbEntry verb_entries[] = {
   anatomesh convert skull.vtu -o skull.msh
   anatomesh convert skull.vtu -o skull.inp --order 2
   anatomesh convert skull.vtu -o skull.feb --grey ct.nii.gz --material bone.json)"},
+    {"project",
+     "Say what is in a project file, write its contours, or recover a damaged one",
+     declare_project,
+     {},
+     R"(Examples:
+  anatomesh project liver.project
+  anatomesh project liver.project --contours liver.json
+  anatomesh project damaged.project --recover liver.project)"},
     {"receive",
      "Receive DICOM objects from scanners and archives, and make models of them on request",
      declare_receive,
@@ -194,7 +202,8 @@ void add_common(CLI::App& verb, CommonOptions& common) {
 
 const std::vector<CommandList> command_lists{
     {"Commands that make and examine models",
-     {"info", "segment", "contours", "field", "model", "check", "compare", "convert", "where-next"}},
+     {"info", "segment", "contours", "field", "model", "check", "compare", "convert", "where-next",
+      "project"}},
     {"Commands that talk to an archive by DICOM", {"receive", "query", "fetch", "send"}},
     {"Commands for the shell", {"completion", "manual"}}};
 

@@ -23,6 +23,7 @@ Work declare_model(CLI::App& verb);
 Work declare_check(CLI::App& verb);
 Work declare_compare(CLI::App& verb);
 Work declare_convert(CLI::App& verb);
+Work declare_project(CLI::App& verb);
 Work declare_receive(CLI::App& verb);
 Work declare_query(CLI::App& verb);
 Work declare_fetch(CLI::App& verb);

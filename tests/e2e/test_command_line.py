@@ -13,7 +13,7 @@ import harness
 import shapes
 
 VERBS = ("info", "segment", "contours", "field", "model", "check", "compare", "convert", "receive", "query", "fetch",
-         "send", "where-next", "completion", "manual")
+         "send", "where-next", "project", "completion", "manual")
 
 
 class Help(harness.TestCase):
