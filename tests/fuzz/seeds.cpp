@@ -1,5 +1,6 @@
 #include "seeds.h"
 
+#include "anatomesh/live/edit/drawing_for_test.h"
 #include "anatomesh_io/contour/contour_test_support.h"
 #include "anatomesh_io/contour/csl_writer.h"
 #include "anatomesh_io/contour/json_writer.h"
@@ -8,6 +9,7 @@
 #include "anatomesh_io/dicom/write_objects.h"
 #include "anatomesh_io/image/image_fixtures.h"
 #include "anatomesh_io/image/invesalius_fixtures.h"
+#include "anatomesh_io/project/write_record.h"
 
 namespace anatomesh::fuzz {
 
@@ -142,6 +144,23 @@ std::vector<std::string> contour_json_seeds() {
     return {good, good.substr(0, good.size() / 2),
             R"({"format": "anatomesh-contours", "version": 1, "slices": []})", std::string(200, '['),
             R"({"format": "anatomesh-contours", "version": 1e400})"};
+}
+
+std::vector<std::string> project_seeds() {
+    std::vector<std::string> seeds;
+    for (unsigned seed = 0; seed < 4; ++seed) {
+        drawing_for_test::RandomSteps steps(seed);
+        EditHistory history;
+        std::string text = head_record({}) + "\n";
+        for (std::uint64_t n = 1; n < 25; ++n) {
+            const bool is_undo = n % 6 == 0 && !history.done().empty();
+            const Edit edit = is_undo ? history.done().back() : steps.step(history.drawing());
+            text += (is_undo ? move_record(n, "undo", edit.name) : apply_record(n, edit)) + "\n";
+            static_cast<void>(is_undo ? history.undo().ok() : history.apply(edit).ok());
+        }
+        seeds.push_back(std::move(text));
+    }
+    return seeds;
 }
 
 std::vector<std::string> csl_seeds() {

@@ -13,6 +13,7 @@ std::vector<std::string> nifti_seeds();
 std::vector<std::string> nrrd_seeds();
 std::vector<std::string> metaimage_seeds();
 std::vector<std::string> contour_json_seeds();
+std::vector<std::string> project_seeds();  // records, a line each, without their checksums
 std::vector<std::string> csl_seeds();
 std::vector<std::string> inv3_seeds();
 

@@ -1,5 +1,6 @@
 #include "targets.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +17,8 @@
 #include "anatomesh_io/dicom/segmentation.h"
 #include "anatomesh_io/dicom/stack.h"
 #include "anatomesh_io/image/raw_image.h"
+#include "anatomesh_io/project/read_project.h"
+#include "anatomesh_io/project/record_line.h"
 #include "seeds.h"
 
 namespace anatomesh::fuzz {
@@ -54,6 +57,41 @@ void read_contour_file(std::string_view bytes) {
     if (!reader(bytes, builder).ok()) return;
     const auto raw = builder.finish(FileFrame::lps);
     if (raw.ok()) expect_sound(raw.value());
+}
+
+// ---- projects
+
+void expect_sound(const Drawing& drawing) {
+    for (const auto* table : {&drawing.rings(), &drawing.proposals()}) {
+        for (const auto& entry : table->entries()) {
+            expect(drawing.structure(entry.key.structure) && drawing.plane(entry.key.plane),
+                   "rings of a structure and on a plane that are there");
+            for (const DrawnRing& ring : entry.value->rings)
+                expect(ring.point_count >= 3 &&
+                           std::size_t{ring.first_point} + ring.point_count <= entry.value->points.size(),
+                       "points of rings");
+        }
+    }
+}
+
+// Every line is a record; its checksum is right, so that what is in it is read.
+void read_project_records(std::string_view bytes) {
+    std::string text;
+    while (!bytes.empty()) {
+        const std::size_t end = std::min(bytes.find('\n'), bytes.size());
+        text += record_line(bytes.substr(0, end));
+        bytes.remove_prefix(std::min(end + 1, bytes.size()));
+    }
+    RunContext context;
+    ReadProjectOptions options;
+    options.limits.points = 100'000;
+    options.readable_part = true;
+    auto project = replay_project(text, "input", options, context);
+    if (!project.ok()) return;
+    EditHistory& history = project.value().history;
+    expect_sound(history.drawing());
+    while (history.undo().value()) expect_sound(history.drawing());
+    expect(history.drawing().planes().entries().empty(), "nothing is drawn at the begin");
 }
 
 // ---- DICOM
@@ -155,6 +193,7 @@ constexpr Target all[] = {{"dicom_series", read_dicom_header, dicom_series_seeds
                           {"nrrd", read_content<read_nrrd>, nrrd_seeds},
                           {"metaimage", read_content<read_metaimage>, metaimage_seeds},
                           {"contour_json", read_contour_file<read_json_contours>, contour_json_seeds},
+                          {"project", read_project_records, project_seeds},
                           {"csl", read_contour_file<read_csl>, csl_seeds},
                           {"inv3", read_content<read_invesalius>, inv3_seeds}};
 
