@@ -10,9 +10,9 @@
 
 namespace anatomesh {
 
-// Every coordinate is finite and within 1e7 mm, every ring has three points or more, and every point and control point
-// lies within 0.01 mm of the plane. Rings may touch at points; that they do not cross and do not share a stretch is asked for with
-// CrossingCheck::yes and decided exactly, in the plane's coordinates of the points. `place` says where, for messages.
+// Every coordinate has to be finite and within 1e7 mm, every ring to have three points or more, and every point and control
+// point to lie within 0.01 mm of the plane. With CrossingCheck::yes rings must not cross and not share a stretch, while they
+// may touch at points; that is decided exactly, on the plane's coordinates of the points. `place` says where, for messages.
 // Errors: E-EDT-005 to -008. Complexity: O(points), with crossings O(points log points) for rings that keep apart.
 Status check_rings(const DrawnRings& rings, const Plane& plane, CrossingCheck crossings, const Place& place);
 

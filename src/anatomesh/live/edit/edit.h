@@ -36,8 +36,8 @@ struct Edit {
 // Whether such a value can stand at such a key: a structure's number is that of its key, and an order is never nothing.
 bool is_of_kind(const DrawingKey& key, const DrawingValue& value);
 
-// Whether drawn rings are checked for crossings: their order of cost is that of all else together. What was checked when it
-// was drawn needs no second check.
+// Whether changed rings are checked for crossings, which takes longer than all other checks. Rings that were checked when
+// they were drawn need no second check.
 enum class CrossingCheck : std::uint8_t { yes, no };
 
 // Returns the drawing with the edit. The changes are made one after another: a later one finds what an earlier one left.
