@@ -26,7 +26,6 @@ measure/certificate measure/topology outliers refine recover element
 pipeline/model pipeline/retry pipeline/run pipeline
 uncertainty
 live/preview
-live/draw/area
 live/draw/area live/draw
 live/livewire
 live/edit

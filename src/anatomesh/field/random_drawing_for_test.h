@@ -16,14 +16,14 @@ namespace anatomesh::fixtures {
 enum class Lie { even, uneven, tilted, sweep, fan };
 
 // What is drawn of a structure on a slice: 0 nothing, else the seed of its outlines.
-struct Drawing {
+struct DrawnSlices {
     std::vector<Plane> planes;
     std::vector<std::vector<std::uint32_t>> seeds;  // by slice, then structure
     bool exclusive = false;
 };
 
-inline Drawing random_drawing(Lie lie, bool exclusive, std::mt19937& random) {
-    Drawing drawing;
+inline DrawnSlices random_drawing(Lie lie, bool exclusive, std::mt19937& random) {
+    DrawnSlices drawing;
     drawing.exclusive = exclusive;
     const std::size_t slices = 7 + random() % 6, structures = exclusive ? 2 : 1 + random() % 3;
     const Plane axis = make_plane({}, {0, 0, 1});
@@ -78,7 +78,7 @@ inline void draw_halves(const std::vector<std::uint32_t>& seeds, SetBuilder& bui
     builder.ring(1, other);
 }
 
-inline ContourSet set_of(const Drawing& drawing) {
+inline ContourSet set_of(const DrawnSlices& drawing) {
     SetBuilder builder(drawing.exclusive);
     for (std::size_t k = 0; k < drawing.planes.size(); ++k) {
         builder.slice(drawing.planes[k]);
@@ -95,7 +95,7 @@ inline ContourSet set_of(const Drawing& drawing) {
     return builder.set;
 }
 
-inline void edit(Drawing& drawing, std::mt19937& random) {
+inline void edit(DrawnSlices& drawing, std::mt19937& random) {
     const std::size_t slice = random() % drawing.planes.size();
     std::vector<std::uint32_t>& seeds = drawing.seeds[slice];
     std::uint32_t& seed = seeds[random() % seeds.size()];

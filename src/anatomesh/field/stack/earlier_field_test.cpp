@@ -59,7 +59,7 @@ TEST(EarlierField, changes_no_value) {
     std::mt19937 random(1);
     std::size_t taken = 0;
     for (int member = 0; member < 40; ++member) {
-        Drawing drawing = random_drawing(static_cast<Lie>(member % 5), member % 7 == 3, random);
+        DrawnSlices drawing = random_drawing(static_cast<Lie>(member % 5), member % 7 == 3, random);
         const auto structures = static_cast<std::uint32_t>(drawing.seeds[0].size());
         FieldOptions options;
         options.caps = static_cast<EndCaps>(member % 3);
@@ -90,7 +90,7 @@ TEST(EarlierField, names_where_values_differ) {
     std::uniform_real_distribution<double> unit(-0.05, 1.05);
     int apart = 0, within = 0;
     for (int member = 0; member < 40; ++member) {
-        Drawing drawing = random_drawing(static_cast<Lie>(member % 3), member % 4 == 3, random);
+        DrawnSlices drawing = random_drawing(static_cast<Lie>(member % 3), member % 4 == 3, random);
         const auto structures = static_cast<std::uint32_t>(drawing.seeds[0].size());
         FieldOptions options;
         options.caps = static_cast<EndCaps>(member % 3);
@@ -131,7 +131,7 @@ TEST(EarlierField, names_where_values_differ) {
 TEST(EarlierField, makes_anew_what_one_slice_touches) {
     std::mt19937 random(2);
     for (int member = 0; member < 40; ++member) {
-        Drawing drawing = random_drawing(static_cast<Lie>(member % 3), false, random);
+        DrawnSlices drawing = random_drawing(static_cast<Lie>(member % 3), false, random);
         for (auto& seeds : drawing.seeds)
             for (std::uint32_t& seed : seeds) seed = std::max(seed, 1u);
         FieldOptions options;
@@ -155,12 +155,12 @@ TEST(EarlierField, five_slices_say_all_about_the_middle_one) {
     std::uniform_real_distribution<double> unit(0, 1);
     int places = 0;
     for (int member = 0; member < 500; ++member) {
-        Drawing drawing = random_drawing(static_cast<Lie>(member % 3), member % 4 == 3, random);
+        DrawnSlices drawing = random_drawing(static_cast<Lie>(member % 3), member % 4 == 3, random);
         for (auto& seeds : drawing.seeds)
             for (std::uint32_t& seed : seeds) seed = std::max(seed, 1u);
         const Made whole = made(set_of(drawing), {});
         const std::size_t k = 2 + random() % (drawing.planes.size() - 4);
-        Drawing window = drawing;
+        DrawnSlices window = drawing;
         window.planes = {drawing.planes.begin() + static_cast<std::ptrdiff_t>(k - 2),
                          drawing.planes.begin() + static_cast<std::ptrdiff_t>(k + 3)};
         window.seeds = {drawing.seeds.begin() + static_cast<std::ptrdiff_t>(k - 2),

@@ -6,8 +6,8 @@
 
 namespace anatomesh {
 
-Result<Drawing> draw_brush(const StructureRings& before, std::span<const Vec2> path,
-                           const BrushOptions& options) {
+Result<DrawResult> draw_brush(const StructureRings& before, std::span<const Vec2> path,
+                              const BrushOptions& options) {
     const StandardArithmetic arithmetic;
     if (path.empty()) return nothing_drawn(before, NothingDrawn::too_short);
     ANATOMESH_TRY(std::vector<Ring> area, swept_disc(path, before.plane, options.disc));

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "anatomesh/live/draw/area/swept_disc.h"
-#include "anatomesh/live/draw/drawing.h"
+#include "anatomesh/live/draw/draw_result.h"
 
 namespace anatomesh {
 
@@ -17,7 +17,7 @@ struct BrushOptions {
 
 // Draws what the disc covers while its centre follows the path; one point is a click. Requires: sound rings.
 // Guarantees: those of swept_disc() and combine_area(). Errors and complexity: theirs and those of clip_area().
-Result<Drawing> draw_brush(const StructureRings& before, std::span<const Vec2> path,
-                           const BrushOptions& options);
+Result<DrawResult> draw_brush(const StructureRings& before, std::span<const Vec2> path,
+                              const BrushOptions& options);
 
 }  // namespace anatomesh

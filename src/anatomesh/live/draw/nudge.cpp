@@ -80,8 +80,8 @@ void drop_crumbs(const StructureRings& before, double least_mm, std::vector<Ring
 
 }  // namespace
 
-Result<Drawing> nudge_outline(const StructureRings& before, std::span<const Vec2> path,
-                              const NudgeOptions& options) {
+Result<DrawResult> nudge_outline(const StructureRings& before, std::span<const Vec2> path,
+                                 const NudgeOptions& options) {
     const StandardArithmetic arithmetic;
     ANATOMESH_CHECK_STATUS(check_option(options.pixel_mm, least_pixel_mm, most_pixel_mm, "pixel_mm"));
     if (path.empty()) return nothing_drawn(before, NothingDrawn::too_short);
@@ -90,7 +90,7 @@ Result<Drawing> nudge_outline(const StructureRings& before, std::span<const Vec2
     // A structure that is not there cannot be pushed, and one that is begins outside of nothing.
     const AreaRule rule = lies_in(before, path[0]) ? AreaRule::unite : AreaRule::subtract;
     ANATOMESH_TRY(CombinedArea combined, combine_area(before, clipped.rings, rule));
-    Drawing drawing = nothing_drawn(before, NothingDrawn::nothing_there);
+    DrawResult drawing = nothing_drawn(before, NothingDrawn::nothing_there);
     drawing.is_clipped = clipped.is_cut;
     if (combined.effect == AreaEffect::nothing) return drawing;
     const double radius = options.disc.radius_mm;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "anatomesh/live/draw/area/swept_disc.h"
-#include "anatomesh/live/draw/drawing.h"
+#include "anatomesh/live/draw/draw_result.h"
 
 namespace anatomesh {
 
@@ -23,7 +23,7 @@ struct NudgeOptions {
 // the next vertex are left out where no line crosses the cut, and new edges are at most as long as the longest edge
 // before. Requires: sound rings. Guarantees: sound rings, within the convex hull of ring and sweep. Errors: those of
 // swept_disc() and draw_area(). Complexity: that of draw_brush(), and O(new vertices x vertices).
-Result<Drawing> nudge_outline(const StructureRings& before, std::span<const Vec2> path,
-                              const NudgeOptions& options);
+Result<DrawResult> nudge_outline(const StructureRings& before, std::span<const Vec2> path,
+                                 const NudgeOptions& options);
 
 }  // namespace anatomesh

@@ -12,11 +12,11 @@ using namespace draw_fixtures;
 constexpr double pi = std::numbers::pi;
 constexpr double pixel = 1;
 
-Drawing nudged(const StructureRings& before, std::span<const Vec2> path, double radius) {
+DrawResult nudged(const StructureRings& before, std::span<const Vec2> path, double radius) {
     NudgeOptions options;
     options.disc.radius_mm = radius;
     options.pixel_mm = pixel;
-    Result<Drawing> result = nudge_outline(before, path, options);
+    Result<DrawResult> result = nudge_outline(before, path, options);
     EXPECT_TRUE(result.ok());
     expect_sound(result.value().rings);
     return result.value();
@@ -32,7 +32,7 @@ double longest_edge(const StructureRings& drawn) {
 }
 
 // Spacing, and bytes of what the disc did not reach.
-void expect_laws(const StructureRings& before, const Drawing& result, std::span<const Vec2> path,
+void expect_laws(const StructureRings& before, const DrawResult& result, std::span<const Vec2> path,
                  double radius) {
     std::vector<Vec3> old;
     for (const Ring& ring : before.rings) old.insert(old.end(), ring.points.begin(), ring.points.end());
@@ -78,7 +78,7 @@ TEST(Nudge, in_and_out_again_ten_times_is_always_one_simple_ring) {
             const double angle = uniform(random, 0, 2 * pi);
             for (const Polygon& path : {radial(angle, 40, 25), radial(angle, 5, 20)}) {
                 const StructureRings before = ring;
-                const Drawing result = nudged(before, path, 10);
+                const DrawResult result = nudged(before, path, 10);
                 ASSERT_EQ(result.rings.rings.size(), 1u) << seed << " " << n;
                 expect_laws(before, result, path, 10);
                 ring = result.rings;
@@ -92,14 +92,14 @@ TEST(Nudge, in_and_out_again_ten_times_is_always_one_simple_ring) {
 TEST(Nudge, pushes_out_from_inside_and_in_from_outside) {
     const StructureRings before = rings_of({circle({0, 0}, 30, 200)}, {});
     const Polygon out = radial(1, 10, 30), in = radial(1, 45, 30);
-    const Drawing pushed_out = nudged(before, out, 10), pushed_in = nudged(before, in, 10);
+    const DrawResult pushed_out = nudged(before, out, 10), pushed_in = nudged(before, in, 10);
     EXPECT_EQ(pushed_out.effect, AreaEffect::extended);
     EXPECT_EQ(pushed_in.effect, AreaEffect::cut);
     EXPECT_TRUE(encloses(pushed_out.rings.rings, 39 * Vec2{std::cos(1), std::sin(1)}));
     EXPECT_FALSE(encloses(pushed_in.rings.rings, 21 * Vec2{std::cos(1), std::sin(1)}));
     // Nothing is pushed where the disc meets no outline.
     for (const Polygon& path : {radial(2, 0, 15), radial(2, 50, 60)}) {
-        const Drawing nothing = nudged(before, path, 10);
+        const DrawResult nothing = nudged(before, path, 10);
         EXPECT_EQ(nothing.reason, NothingDrawn::nothing_there);
         EXPECT_TRUE(same_bytes(nothing.rings, before));
     }
@@ -114,7 +114,7 @@ TEST(Nudge, keeps_its_laws_for_random_hands) {
         const double radius = uniform(random, 0.5, 12);
         const Polygon path = random_path(random, {uniform(random, -30, 90), uniform(random, -30, 90)},
                                          whole(random, 1, 60), 0.5, 0.05);
-        const Drawing result = nudged(before, path, radius);
+        const DrawResult result = nudged(before, path, radius);
         changed += result.effect != AreaEffect::nothing;
         const bool begins_inside = encloses(before.rings, path[0]);
         EXPECT_FALSE(begins_inside && result.effect == AreaEffect::cut);
@@ -127,9 +127,9 @@ TEST(Nudge, makes_no_new_ring_of_small_pieces) {
     // A thumb pushes a finger's tip against the next finger: the gap between them goes, and nothing is cut off.
     const StructureRings before =
         rings_of({{{0, 0}, {60, 0}, {60, 40}, {40, 40}, {40, 20}, {20, 20}, {20, 40}, {0, 40}}}, {});
-    const Drawing bridged = nudged(before, Polygon{{15, 35}, {38, 35}}, 4);
+    const DrawResult bridged = nudged(before, Polygon{{15, 35}, {38, 35}}, 4);
     EXPECT_EQ(bridged.rings.rings.size(), 2u);  // the gap of 220 mm2 is larger than the disc
-    const Drawing filled = nudged(before, Polygon{{10, 25}, {50, 25}}, 4.5);
+    const DrawResult filled = nudged(before, Polygon{{10, 25}, {50, 25}}, 4.5);
     EXPECT_EQ(filled.rings.rings.size(), 1u);  // the gap of about 10 mm2 is smaller
 }
 

@@ -162,8 +162,8 @@ std::optional<Ring> reshaped_ring(const Ring& ring, std::span<const Vec2> line, 
 
 }  // namespace
 
-Result<Drawing> reshape_outline(const StructureRings& before, std::span<const Vec2> line, double reach_mm,
-                                std::span<const Vec2> clip) {
+Result<DrawResult> reshape_outline(const StructureRings& before, std::span<const Vec2> line, double reach_mm,
+                                   std::span<const Vec2> clip) {
     if (before.rings.empty() || line.size() < 2) return nothing_drawn(before, NothingDrawn::no_outline);
     const std::size_t r = nearest_ring(before, line[0]);
     const std::optional<Ring> ring = reshaped_ring(before.rings[r], line, reach_mm, before.plane);
@@ -186,7 +186,7 @@ Result<Drawing> reshape_outline(const StructureRings& before, std::span<const Ve
         inside.push_back(joins || (overlay->faces()[face].in_structure && !leaves));
     }
     Region region = overlay->region(inside);
-    Drawing drawing = nothing_drawn(before, NothingDrawn::none);
+    DrawResult drawing = nothing_drawn(before, NothingDrawn::none);
     drawing.is_clipped = clipped.is_cut;
     drawing.sliver_area_mm2 = region.sliver_area_mm2;
     drawing.rings.rings.clear();

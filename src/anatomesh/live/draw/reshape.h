@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "anatomesh/live/draw/drawing.h"
+#include "anatomesh/live/draw/draw_result.h"
 
 namespace anatomesh {
 
@@ -16,7 +16,7 @@ namespace anatomesh {
 // Nothing is drawn, with NothingDrawn::no_outline, where an end is near no outline or the ends are joined to one point.
 // Requires: sound rings, a line of finite points without two equal ones in turn. Errors: those of clip_area(), and limit
 // E-LIV-007 the edges cross too often. Complexity: O(points of the line x edges of a ring), and that of arrange().
-Result<Drawing> reshape_outline(const StructureRings& before, std::span<const Vec2> line, double reach_mm,
-                                std::span<const Vec2> clip);
+Result<DrawResult> reshape_outline(const StructureRings& before, std::span<const Vec2> line, double reach_mm,
+                                   std::span<const Vec2> clip);
 
 }  // namespace anatomesh

@@ -12,11 +12,11 @@ using namespace draw_fixtures;
 
 constexpr double pi = std::numbers::pi;
 
-Drawing reshaped(const StructureRings& before, std::span<const Vec2> line, std::vector<Vec2> clip = {}) {
+DrawResult reshaped(const StructureRings& before, std::span<const Vec2> line, std::vector<Vec2> clip = {}) {
     StrokeOptions options;
     options.mode = DrawMode::reshape;
     options.clip = std::move(clip);
-    Result<Drawing> result = draw_stroke(before, line, options);
+    Result<DrawResult> result = draw_stroke(before, line, options);
     EXPECT_TRUE(result.ok());
     expect_sound(result.value().rings);
     return result.value();
@@ -50,7 +50,7 @@ TEST(Reshape, the_line_is_the_outline_between_its_ends) {
         };
         Polygon line = arc(from, from + width, radius);
         if (random() % 2) std::reverse(line.begin(), line.end());
-        const Drawing result = reshaped(before, line);
+        const DrawResult result = reshaped(before, line);
         ASSERT_EQ(result.effect, AreaEffect::reshaped) << seed;
         for (int n = 0; n < 300; ++n) {
             const double share = uniform(random, 0.1, 0.9), inner = uniform(random, 5, 45);
@@ -86,7 +86,7 @@ TEST(Reshape, the_line_is_the_outline_between_its_ends) {
 TEST(Reshape, a_line_through_cuts_off_the_smaller_side) {
     const StructureRings before = rings_of({circle({0, 0}, 30, 200)}, {});
     for (const double x : {-20.0, -3.0, 3.0, 12.0, 29.0}) {
-        const Drawing result = reshaped(before, Polygon{{x, -50}, {x, 50}});
+        const DrawResult result = reshaped(before, Polygon{{x, -50}, {x, 50}});
         EXPECT_EQ(result.effect, AreaEffect::reshaped);
         ASSERT_EQ(result.rings.rings.size(), 1u);
         const double angle = std::acos(std::abs(x) / 30),
@@ -97,20 +97,22 @@ TEST(Reshape, a_line_through_cuts_off_the_smaller_side) {
 
 TEST(Reshape, at_a_hole_is_the_other_way_round) {
     const StructureRings before = rings_of({circle({0, 0}, 40, 200), circle({0, 0}, 20, 100)}, {});
-    const Drawing larger = reshaped(before, arc(0, 1, [](double s) { return 20 + 10 * std::sin(pi * s); }));
+    const DrawResult larger =
+        reshaped(before, arc(0, 1, [](double s) { return 20 + 10 * std::sin(pi * s); }));
     EXPECT_LT(area_of(larger.rings), area_of(before) - 50);
     EXPECT_EQ(larger.rings.rings[0].points, before.rings[0].points);
-    const Drawing smaller = reshaped(before, arc(0, 1, [](double s) { return 20 - 10 * std::sin(pi * s); }));
+    const DrawResult smaller =
+        reshaped(before, arc(0, 1, [](double s) { return 20 - 10 * std::sin(pi * s); }));
     EXPECT_GT(area_of(smaller.rings), area_of(before) + 50);
     EXPECT_EQ(smaller.rings.rings.size(), 2u);
     // Beyond the outline: the hole opens.
-    const Drawing open = reshaped(before, arc(0, 1, [](double s) { return 20 + 40 * std::sin(pi * s); }));
+    const DrawResult open = reshaped(before, arc(0, 1, [](double s) { return 20 + 40 * std::sin(pi * s); }));
     EXPECT_EQ(open.rings.rings.size(), 1u);
 }
 
 TEST(Reshape, over_another_part_joins_it) {
     const StructureRings before = rings_of({circle({0, 0}, 20, 100), circle({50, 0}, 10, 60)}, {});
-    const Drawing joined = reshaped(before, Polygon{{19, 6}, {50, 3}, {50, -3}, {19, -6}});
+    const DrawResult joined = reshaped(before, Polygon{{19, 6}, {50, 3}, {50, -3}, {19, -6}});
     EXPECT_EQ(joined.rings.rings.size(), 1u);
     EXPECT_GT(area_of(joined.rings), area_of(before));
 }
@@ -126,7 +128,7 @@ TEST(Reshape, needs_an_outline_at_both_ends) {
 TEST(Reshape, grows_within_the_picture_alone) {
     const StructureRings before = rings_of({circle({0, 0}, 20, 100)}, {});
     const std::vector<Vec2> clip{{-40, -40}, {25, -40}, {25, 40}, {-40, 40}};
-    const Drawing result =
+    const DrawResult result =
         reshaped(before, arc(-0.8, 0.8, [](double s) { return 20 + 15 * std::sin(pi * s); }), clip);
     EXPECT_TRUE(result.is_clipped);
     for (const Vec2 p : result.rings.rings[0].at) EXPECT_LT(p.x, 25 + 1e-6);

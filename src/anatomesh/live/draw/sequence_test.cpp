@@ -15,7 +15,7 @@ namespace {
 using namespace draw_fixtures;
 
 // What a hand does next: any tool, in any mode, anywhere near the structure.
-Result<Drawing> next_drawing(Random& random, const StructureRings& before) {
+Result<DrawResult> next_drawing(Random& random, const StructureRings& before) {
     const Vec2 start{uniform(random, -20, 80), uniform(random, -20, 80)};
     const std::vector<Vec2> picture{{-40, -40}, {100, -40}, {100, 100}, {-40, 100}};
     const auto mode = static_cast<DrawMode>(random() % 5);
@@ -64,7 +64,7 @@ StructureRings drawn(int seed, bool check) {
     Random random(static_cast<unsigned>(seed));
     StructureRings rings = random_rings(random, random_plane(random));
     for (int step = 0; step < 40; ++step) {
-        const Result<Drawing> next = next_drawing(random, rings);
+        const Result<DrawResult> next = next_drawing(random, rings);
         EXPECT_TRUE(next.ok()) << seed << " " << step;
         if (!next.ok()) break;
         if (check) expect_sound(next.value().rings);

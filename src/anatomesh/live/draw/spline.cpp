@@ -69,8 +69,8 @@ std::vector<Vec2> closed_spline(std::span<const Vec2> controls, double tolerance
     return polygon;
 }
 
-Result<Drawing> draw_spline(const StructureRings& before, std::span<const Vec2> controls,
-                            const SplineOptions& options) {
+Result<DrawResult> draw_spline(const StructureRings& before, std::span<const Vec2> controls,
+                               const SplineOptions& options) {
     const StandardArithmetic arithmetic;
     ANATOMESH_CHECK_STATUS(check_points(controls, "the spline"));
     ANATOMESH_CHECK_STATUS(

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/live/draw/drawing.h"
+#include "anatomesh/live/draw/draw_result.h"
 
 namespace anatomesh {
 
@@ -25,7 +25,7 @@ std::vector<Vec2> closed_spline(std::span<const Vec2> controls, double tolerance
 
 // Draws the area in the spline, as draw_polygon() (stroke.h) does: a curve that crosses itself is mended by the even-odd
 // rule. Requires: sound rings; the mode is not reshape. Errors: those of check_points(), check_option(), draw_area().
-Result<Drawing> draw_spline(const StructureRings& before, std::span<const Vec2> controls,
-                            const SplineOptions& options);
+Result<DrawResult> draw_spline(const StructureRings& before, std::span<const Vec2> controls,
+                               const SplineOptions& options);
 
 }  // namespace anatomesh

@@ -89,7 +89,7 @@ TEST(Spline, closing_adds_no_point) {
 }
 
 TEST(Spline, of_points_on_a_circle_is_nearly_the_circle) {
-    const Drawing result = draw_spline({}, circle({0, 0}, 20, 12), {}).value();
+    const DrawResult result = draw_spline({}, circle({0, 0}, 20, 12), {}).value();
     ASSERT_EQ(result.rings.rings.size(), 1u);
     EXPECT_EQ(result.effect, AreaEffect::new_part);
     for (const Vec2 p : result.rings.rings[0].at) EXPECT_NEAR(length(p), 20, 0.06);
@@ -97,7 +97,7 @@ TEST(Spline, of_points_on_a_circle_is_nearly_the_circle) {
 }
 
 TEST(Spline, that_crosses_itself_is_mended) {
-    const Drawing result = draw_spline({}, Polygon{{0, 0}, {30, 20}, {30, 0}, {0, 20}}, {}).value();
+    const DrawResult result = draw_spline({}, Polygon{{0, 0}, {30, 20}, {30, 0}, {0, 20}}, {}).value();
     EXPECT_EQ(result.mended_crossings, 1u);
     EXPECT_EQ(result.rings.rings.size(), 2u);
     expect_sound(result.rings);
@@ -112,7 +112,7 @@ TEST(Polygon, has_its_corners_as_vertices) {
         Random random(static_cast<unsigned>(seed));
         const Plane plane = random_plane(random);
         const Polygon corners = random_star(random, {3, 4}, 20);
-        const Drawing result = draw_polygon({plane, {}}, corners, DrawMode::extend).value();
+        const DrawResult result = draw_polygon({plane, {}}, corners, DrawMode::extend).value();
         ASSERT_EQ(result.rings.rings.size(), 1u);
         ASSERT_EQ(result.rings.rings[0].size(), corners.size());
         for (const Vec2 p : corners) {

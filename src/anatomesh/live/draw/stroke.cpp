@@ -84,8 +84,8 @@ std::vector<Vec2> without_tails(std::span<const Vec2> line) {
     return {line.begin(), line.begin() + static_cast<std::ptrdiff_t>(nearest) + 1};
 }
 
-Result<Drawing> draw_stroke(const StructureRings& before, std::span<const Vec2> stroke,
-                            const StrokeOptions& options) {
+Result<DrawResult> draw_stroke(const StructureRings& before, std::span<const Vec2> stroke,
+                               const StrokeOptions& options) {
     const StandardArithmetic arithmetic;
     ANATOMESH_CHECK_STATUS(check_points(stroke, "the stroke"));
     ANATOMESH_CHECK_STATUS(
@@ -101,8 +101,8 @@ Result<Drawing> draw_stroke(const StructureRings& before, std::span<const Vec2> 
     return draw_polygon(before, polygon, options.mode, options.clip);
 }
 
-Result<Drawing> draw_polygon(const StructureRings& before, std::span<const Vec2> corners, DrawMode mode,
-                             std::span<const Vec2> clip) {
+Result<DrawResult> draw_polygon(const StructureRings& before, std::span<const Vec2> corners, DrawMode mode,
+                                std::span<const Vec2> clip) {
     const StandardArithmetic arithmetic;
     assert(mode != DrawMode::reshape);
     ANATOMESH_CHECK_STATUS(check_points(corners, "the polygon"));

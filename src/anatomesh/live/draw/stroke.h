@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/live/draw/drawing.h"
+#include "anatomesh/live/draw/draw_result.h"
 
 namespace anatomesh {
 
@@ -22,13 +22,13 @@ struct StrokeOptions {
 // that crosses itself is mended by the even-odd rule. With DrawMode::reshape the stroke is a line: see reshape_outline()
 // (reshape.h). Requires: sound rings. Guarantees: those of combine_area(). Errors: those of check_points(),
 // check_option() and draw_area(). Complexity: those of thin_line() and draw_area().
-Result<Drawing> draw_stroke(const StructureRings& before, std::span<const Vec2> stroke,
-                            const StrokeOptions& options);
+Result<DrawResult> draw_stroke(const StructureRings& before, std::span<const Vec2> stroke,
+                               const StrokeOptions& options);
 
 // Draws a polygon through its corners, all of which become vertices but where another line takes their place. Its tails
 // are not cut off, and no corner is dropped. The mode is not reshape. Else as draw_stroke().
-Result<Drawing> draw_polygon(const StructureRings& before, std::span<const Vec2> corners, DrawMode mode,
-                             std::span<const Vec2> clip = {});
+Result<DrawResult> draw_polygon(const StructureRings& before, std::span<const Vec2> corners, DrawMode mode,
+                                std::span<const Vec2> clip = {});
 
 // Returns the closed polygon that a line of the hand means: without the tails that cross, as draw_stroke() says.
 // Complexity: O(n log n) for tails that meet rarely.

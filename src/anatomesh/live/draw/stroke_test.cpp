@@ -11,10 +11,10 @@ using namespace draw_fixtures;
 
 constexpr double pi = std::numbers::pi;
 
-Drawing drawn(const StructureRings& before, std::span<const Vec2> stroke, DrawMode mode = DrawMode::automatic,
-              StrokeOptions options = {}) {
+DrawResult drawn(const StructureRings& before, std::span<const Vec2> stroke,
+                 DrawMode mode = DrawMode::automatic, StrokeOptions options = {}) {
     options.mode = mode;
-    Result<Drawing> result = draw_stroke(before, stroke, options);
+    Result<DrawResult> result = draw_stroke(before, stroke, options);
     EXPECT_TRUE(result.ok()) << (result.ok() ? "" : to_line(result.error()));
     if (!result.ok()) return {};
     expect_sound(result.value().rings);
@@ -37,7 +37,7 @@ TEST(Stroke, is_the_operation_of_sets_for_random_hands) {
         StrokeOptions options;
         options.tolerance_mm = 0.02;
         const Polygon meant = without_tails(stroke);
-        const Drawing result = drawn(before, stroke, DrawMode::automatic, options);
+        const DrawResult result = drawn(before, stroke, DrawMode::automatic, options);
         ++effects[static_cast<int>(result.effect)];
         const bool begins_inside = encloses(before.rings, start);
         EXPECT_FALSE(begins_inside && result.effect == AreaEffect::cut);
@@ -58,17 +58,17 @@ TEST(Stroke, is_the_operation_of_sets_for_random_hands) {
 
 TEST(Stroke, automatic_extends_from_inside_cuts_from_outside_and_draws_beside) {
     const StructureRings before = disc();
-    const Drawing extended = drawn(before, circle({30, 0}, 10, 60, pi));
+    const DrawResult extended = drawn(before, circle({30, 0}, 10, 60, pi));
     EXPECT_EQ(extended.effect, AreaEffect::extended);
     EXPECT_GT(area_of(extended.rings), area_of(before) + 100);
-    const Drawing cut = drawn(before, circle({30, 0}, 10, 60));
+    const DrawResult cut = drawn(before, circle({30, 0}, 10, 60));
     EXPECT_EQ(cut.effect, AreaEffect::cut);
     EXPECT_LT(area_of(cut.rings), area_of(before) - 100);
-    const Drawing beside = drawn(before, circle({60, 0}, 10, 60));
+    const DrawResult beside = drawn(before, circle({60, 0}, 10, 60));
     EXPECT_EQ(beside.effect, AreaEffect::new_part);
     EXPECT_EQ(beside.rings.rings.size(), 2u);
     EXPECT_EQ(beside.rings.rings[0].points, before.rings[0].points);
-    const Drawing first = drawn({}, circle({60, 0}, 10, 60));
+    const DrawResult first = drawn({}, circle({60, 0}, 10, 60));
     EXPECT_EQ(first.effect, AreaEffect::new_part);
     // On a hole alone: an island.
     const StructureRings annulus = rings_of({circle({0, 0}, 30, 90), circle({0, 0}, 20, 60)}, {});
@@ -80,7 +80,7 @@ TEST(Stroke, modes_do_what_they_say) {
     const Polygon over = circle({30, 0}, 10, 60);
     EXPECT_EQ(drawn(before, over, DrawMode::extend).effect, AreaEffect::extended);
     EXPECT_EQ(drawn(before, over, DrawMode::cut).effect, AreaEffect::cut);
-    const Drawing replaced = drawn(before, over, DrawMode::replace);
+    const DrawResult replaced = drawn(before, over, DrawMode::replace);
     EXPECT_EQ(replaced.effect, AreaEffect::replaced);
     EXPECT_NEAR(area_of(replaced.rings), 100 * pi, 3);
     EXPECT_EQ(drawn(before, circle({90, 0}, 10, 60), DrawMode::cut).reason, NothingDrawn::nothing_there);
@@ -100,7 +100,7 @@ TEST(Stroke, a_circle_of_a_free_hand_is_one_ring) {
             stroke.push_back(radius * Vec2{std::cos(angle), std::sin(angle)});
         }
         if (random() % 2) std::reverse(stroke.begin(), stroke.end());
-        const Drawing result = drawn({make_plane({1, 2, 3}, {0.1, 0.2, 1}), {}}, stroke);
+        const DrawResult result = drawn({make_plane({1, 2, 3}, {0.1, 0.2, 1}), {}}, stroke);
         ASSERT_EQ(result.rings.rings.size(), 1u) << seed;
         EXPECT_EQ(result.mended_crossings, 0u) << seed;
         EXPECT_NEAR(area_of(result.rings), 400 * pi, 0.1 * 400 * pi) << seed;
@@ -117,7 +117,7 @@ TEST(Stroke, an_eight_is_two_rings_and_a_star_has_no_middle) {
     for (std::size_t start : {0u, 37u, 200u, 311u}) {
         Polygon turned(eight.begin(), eight.end() - 1);
         std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(start), turned.end());
-        const Drawing result = drawn({}, turned);
+        const DrawResult result = drawn({}, turned);
         EXPECT_EQ(result.rings.rings.size(), 2u);
         EXPECT_NEAR(area_of(result.rings), 2 * pi * 400, 0.01 * 2 * pi * 400);
     }
@@ -125,7 +125,7 @@ TEST(Stroke, an_eight_is_two_rings_and_a_star_has_no_middle) {
     const double step = 4 * pi / 5;
     Polygon star;
     for (int n = 0; n < 5; ++n) star.push_back({30 * std::cos(n * step), 30 * std::sin(n * step)});
-    const Drawing result = drawn({}, star);
+    const DrawResult result = drawn({}, star);
     EXPECT_NEAR(area_of(result.rings), 0.77568 * 900, 0.01 * 0.77568 * 900);
     EXPECT_EQ(result.rings.rings.size(), 5u);
     EXPECT_EQ(result.mended_crossings, 5u);
@@ -141,7 +141,7 @@ TEST(Stroke, a_click_or_a_jitter_draws_nothing) {
             const int points = whole(random, 0, 40);
             for (int n = 0; n < points; ++n)
                 jitter.push_back({29 + uniform(random, 0, 1), uniform(random, 0, 1)});
-            const Drawing result = drawn(before, jitter, mode);  // two pixels of 0.5 mm
+            const DrawResult result = drawn(before, jitter, mode);  // two pixels of 0.5 mm
             EXPECT_EQ(result.reason, NothingDrawn::too_short);
             EXPECT_TRUE(same_bytes(result.rings, before));
         }
@@ -160,7 +160,7 @@ TEST(Stroke, is_clipped_at_the_edge_of_the_picture) {
         const Plane plane = random_plane(random);
         Polygon stroke = random_star(random, {uniform(random, -20, 120), uniform(random, -20, 100)}, 25);
         stroke.push_back(stroke[0]);
-        const Drawing result = drawn({plane, {}}, stroke, DrawMode::extend, options);
+        const DrawResult result = drawn({plane, {}}, stroke, DrawMode::extend, options);
         bool leaves = false;
         for (const Vec2 p : stroke) leaves = leaves || p.x < 0 || p.x > 100 || p.y < 0 || p.y > 80;
         EXPECT_EQ(result.is_clipped, leaves) << seed;
@@ -176,14 +176,14 @@ TEST(Stroke, is_clipped_at_the_edge_of_the_picture) {
             ASSERT_EQ(encloses(result.rings.rings, p), encloses(stroke, p)) << seed;
         }
     }
-    const Drawing outside = drawn({}, circle({200, 0}, 20, 50), DrawMode::extend, options);
+    const DrawResult outside = drawn({}, circle({200, 0}, 20, 50), DrawMode::extend, options);
     EXPECT_EQ(outside.reason, NothingDrawn::outside);
     EXPECT_TRUE(outside.is_clipped);
 }
 
 TEST(Stroke, refuses_bad_points_and_options) {
     const auto code = [](std::span<const Vec2> stroke, const StrokeOptions& options) {
-        const Result<Drawing> result = draw_stroke({}, stroke, options);
+        const Result<DrawResult> result = draw_stroke({}, stroke, options);
         return result.ok() ? "" : result.error().code;
     };
     const Polygon stroke = circle({0, 0}, 10, 20);

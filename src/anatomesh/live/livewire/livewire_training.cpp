@@ -28,10 +28,10 @@ constexpr double quartiles_apart = 1.349;
 // [1, of the gradient or of the contrast; 0 to 0.5; D a choice, measurement not recorded]
 constexpr double least_width_share = 0.1;
 // Pixels so far beside an edge, on both sides, show what is no edge: nearer ones still have its gradient, and farther ones
-// no wire goes to. [mean pixel steps; 2 to 20; M 2026-12 labels of CT and MR, drawn tumours in CT and MR]
+// no wire goes to. [mean pixel steps; 2 to 20; D a choice, measurement not recorded]
 constexpr std::array<double, 4> steps_beside{3.0, 5.0, 7.0, 9.0};
 // This share of the highest histogram counts as beside the edge everywhere: values that were hardly seen are no edge.
-// [1, of the highest; > 0; M 2026-12 labels of CT and MR, drawn tumours in CT and MR]
+// [1, of the highest; > 0; D a choice, measurement not recorded]
 constexpr double unseen_share = 0.02;
 // A histogram reaches so far beyond the values that it is made of. [widths of the Gaussian; 2 to 5; D]
 constexpr double histogram_reach = 3;

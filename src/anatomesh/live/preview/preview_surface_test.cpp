@@ -120,7 +120,7 @@ TEST(PreviewSurface, after_an_edit_is_that_of_a_new_field) {
     std::mt19937 random(2);
     PreviewStats sum;
     for (int member = 0; member < 20; ++member) {
-        Drawing drawing = random_drawing(static_cast<Lie>(member % 3), member % 4 == 3, random);
+        DrawnSlices drawing = random_drawing(static_cast<Lie>(member % 3), member % 4 == 3, random);
         PreviewOptions options;
         options.step_mm = 0.5 + 0.1 * (member % 10);
         ContourSet set = set_of(drawing);

@@ -18,8 +18,8 @@ constexpr double most_turn = 110;
 // is the most of a branch and its parent]
 constexpr double most_twice = 0.75;
 
-Drawing drawing_of(const ContourSet& set, const PathSlice& part) {
-    Drawing drawing{patch_of(set, part), {}};
+DrawnPatch drawing_of(const ContourSet& set, const PathSlice& part) {
+    DrawnPatch drawing{patch_of(set, part), {}};
     for (const std::uint32_t c : part.contours) {
         const std::span<const Vec3> points = set.points_of(set.contours[c]);
         drawing.points.insert(drawing.points.end(), points.begin(), points.end());
@@ -168,12 +168,12 @@ bool share(const PathLink& a, const PathLink& b) {
     });
 }
 
-int side_of(const PlanePatch& of, const Drawing& other) {
+int side_of(const PlanePatch& of, const DrawnPatch& other) {
     const int side = side_of(of, std::span<const Vec3>(other.corners()));
     return side != 0 ? side : side_of(of, std::span<const Vec3>(other.points));
 }
 
-std::optional<Sight> sight(const Drawing& a, const Drawing& b) {
+std::optional<Sight> sight(const DrawnPatch& a, const DrawnPatch& b) {
     const int side = side_of(a, b), its_side = side == 0 ? 0 : side_of(b, a);
     const std::optional<Facing> both = facing(a, side, b, its_side);
     if (!both) return std::nullopt;
@@ -183,7 +183,7 @@ std::optional<Sight> sight(const Drawing& a, const Drawing& b) {
 }
 
 bool reach_through(const PathLink& one, const PathLink& other, double least_cosine) {
-    const Drawing &a = one.patch, &b = other.patch;
+    const DrawnPatch &a = one.patch, &b = other.patch;
     if (!share(one, other) || std::abs(dot(a.plane.normal, b.plane.normal)) < least_cosine) return false;
     if (side_of(a, b) != 0 && side_of(b, a) != 0) return false;
     return overlap(a.box, box_in(a.plane, b));

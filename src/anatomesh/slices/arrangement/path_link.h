@@ -21,7 +21,7 @@ inline constexpr double cos_of_branch = 0.985;
 inline constexpr double cos_of_legs = 0.906;
 
 // What is drawn on a slice, or a part of it.
-struct Drawing : PlanePatch {
+struct DrawnPatch : PlanePatch {
     std::vector<Vec3> points;
 
     Vec3 middle() const { return plane.to_space(0.5 * (box.low + box.high)); }
@@ -29,9 +29,9 @@ struct Drawing : PlanePatch {
 
 struct PathLink {
     PathSlice part;
-    Drawing patch;
+    DrawnPatch patch;
     std::vector<std::uint32_t> structures;  // rising
-    std::vector<Drawing> alone;             // of each contour where there are several
+    std::vector<DrawnPatch> alone;          // of each contour where there are several
 };
 
 // O(points).
@@ -44,7 +44,7 @@ std::vector<PathLink> links_of(const ContourSet& set);
 bool share(const PathLink& a, const PathLink& b);
 
 // On which side of a slice what another one draws lies: 1 before it, -1 behind it, 0 on both. O(points).
-int side_of(const PlanePatch& of, const Drawing& other);
+int side_of(const PlanePatch& of, const DrawnPatch& other);
 
 // How one slice sees another one.
 struct Sight {
@@ -54,7 +54,7 @@ struct Sight {
 
 // Nothing where they lie across each other, are turned by more than 110 degrees, or the boxes of their contours do not
 // lie before each other. O(points).
-std::optional<Sight> sight(const Drawing& a, const Drawing& b);
+std::optional<Sight> sight(const DrawnPatch& a, const DrawnPatch& b);
 
 // Whether two slices that draw one structure lie before each other, lean by less than the angle of this cosine, and
 // reach through each other. O(points).

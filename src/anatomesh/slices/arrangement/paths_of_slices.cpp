@@ -53,9 +53,9 @@ void consider(const std::vector<PathLink>& links, std::uint32_t i, std::uint32_t
         if (seen->way < known.way || (seen->way == known.way && j < known.link))
             known = {j, seen->its_side, is_part, seen->way};
     };
-    const Drawing &a = links[i].patch, &b = links[j].patch;
+    const DrawnPatch &a = links[i].patch, &b = links[j].patch;
     if (side_of(a, b) != 0) return take(sight(a, b), false);
-    for (const Drawing& contour : links[j].alone) take(sight(a, contour), true);
+    for (const DrawnPatch& contour : links[j].alone) take(sight(a, contour), true);
 }
 
 // Finds the nearest ones of the links from `first` on and of those whose nearest one is link n, and compares those of
@@ -271,7 +271,7 @@ double lean_of(const std::vector<PathLink>& links, std::uint32_t n) {
     std::vector<std::pair<double, double>> around;  // distance, lean
     for (std::uint32_t i = 0; i < links.size(); ++i) {
         if (i == n || !share(links[i], links[n])) continue;
-        const Drawing &a = links[i].patch, &b = links[n].patch;
+        const DrawnPatch &a = links[i].patch, &b = links[n].patch;
         around.emplace_back(squared_length(a.middle() - b.middle()),
                             1 - std::abs(dot(a.plane.normal, b.plane.normal)));
     }
@@ -309,7 +309,7 @@ std::optional<std::vector<std::uint32_t>> skipped_links(const std::vector<PathLi
     return done ? std::optional(std::move(skipped)) : std::nullopt;
 }
 
-double size_of(const Drawing& drawing) {
+double size_of(const DrawnPatch& drawing) {
     return (drawing.box.high.x - drawing.box.low.x) * (drawing.box.high.y - drawing.box.low.y);
 }
 

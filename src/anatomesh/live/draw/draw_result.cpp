@@ -1,4 +1,4 @@
-#include "anatomesh/live/draw/drawing.h"
+#include "anatomesh/live/draw/draw_result.h"
 
 #include <cassert>
 #include <utility>
@@ -24,25 +24,25 @@ AreaRule rule_of(DrawMode mode, bool begins_inside) {
 
 }  // namespace
 
-Drawing nothing_drawn(const StructureRings& before, NothingDrawn reason) {
-    Drawing drawing;
+DrawResult nothing_drawn(const StructureRings& before, NothingDrawn reason) {
+    DrawResult drawing;
     drawing.rings = before;
     drawing.reason = reason;
     return drawing;
 }
 
-Result<Drawing> draw_area(const StructureRings& before, std::vector<Ring> area, Vec2 start, DrawMode mode,
-                          std::span<const Vec2> clip) {
+Result<DrawResult> draw_area(const StructureRings& before, std::vector<Ring> area, Vec2 start, DrawMode mode,
+                             std::span<const Vec2> clip) {
     assert(mode != DrawMode::reshape);
     ANATOMESH_TRY(const ClippedArea clipped, clip_area(std::move(area), clip, before.plane));
     if (clipped.rings.empty()) {
-        Drawing drawing = nothing_drawn(before, NothingDrawn::outside);
+        DrawResult drawing = nothing_drawn(before, NothingDrawn::outside);
         drawing.is_clipped = clipped.is_cut;
         return drawing;
     }
     const bool begins_inside = mode == DrawMode::automatic && lies_in(before, start);
     ANATOMESH_TRY(CombinedArea combined, combine_area(before, clipped.rings, rule_of(mode, begins_inside)));
-    Drawing drawing;
+    DrawResult drawing;
     drawing.rings = std::move(combined.rings);
     drawing.effect = combined.effect;
     if (combined.effect == AreaEffect::nothing) {

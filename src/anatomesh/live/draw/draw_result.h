@@ -1,4 +1,4 @@
-// Drawing: what a tool of the hand did to the rings of a structure on a plane, for all tools of this room.
+// DrawResult: what a tool of the hand did to the rings of a structure on a plane, for all tools of this room.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ enum class NothingDrawn : std::uint8_t {
     nothing_there,  // it changes nothing: the structure is not there, or is as drawn already
 };
 
-struct Drawing {
+struct DrawResult {
     StructureRings rings;                      // of the structure afterwards
     AreaEffect effect = AreaEffect::nothing;   // what became of the structure
     NothingDrawn reason = NothingDrawn::none;  // why the effect is nothing
@@ -40,10 +40,10 @@ struct Drawing {
 
 // Combines a drawn area with the structure. `start` is the point at which the hand began, for DrawMode::automatic.
 // Requires: sound rings; the mode is not reshape. Errors: those of clip_area() and combine_area(). Complexity: theirs.
-Result<Drawing> draw_area(const StructureRings& before, std::vector<Ring> area, Vec2 start, DrawMode mode,
-                          std::span<const Vec2> clip);
+Result<DrawResult> draw_area(const StructureRings& before, std::vector<Ring> area, Vec2 start, DrawMode mode,
+                             std::span<const Vec2> clip);
 
 // The drawing that leaves everything as it was.
-Drawing nothing_drawn(const StructureRings& before, NothingDrawn reason);
+DrawResult nothing_drawn(const StructureRings& before, NothingDrawn reason);
 
 }  // namespace anatomesh
