@@ -99,7 +99,7 @@ inline void edit(DrawnSlices& drawing, std::mt19937& random) {
     const std::size_t slice = random() % drawing.planes.size();
     std::vector<std::uint32_t>& seeds = drawing.seeds[slice];
     std::uint32_t& seed = seeds[random() % seeds.size()];
-    switch (random() % 6) {
+    switch (random() % 7) {
         case 0:
             if (slice > 1) seed = 0;
             break;
@@ -111,6 +111,9 @@ inline void edit(DrawnSlices& drawing, std::mt19937& random) {
                 drawing.planes.erase(drawing.planes.begin() + static_cast<std::ptrdiff_t>(slice));
                 drawing.seeds.erase(drawing.seeds.begin() + static_cast<std::ptrdiff_t>(slice));
             }
+            break;
+        case 3:  // what one structure had the other one gets
+            std::swap(seeds.front(), seeds.back());
             break;
         default:
             seed = 1 + random() % 1000000;

@@ -250,13 +250,15 @@ std::vector<Shared> find_shared(const std::vector<Ring>& rings) {
 }
 
 // Leaves out vertices nearer than `near` to shared ones that are to leave their place. Vertices that rings share stay,
-// and so do three of each ring.
-void leave_out_crowded_beside(const std::vector<Shared>& shared, double near, std::vector<Ring>& rings) {
+// and so do three of each ring. Returns the distance of the farthest that went, by ring.
+std::vector<double> leave_out_crowded_beside(const std::vector<Shared>& shared, double near,
+                                             std::vector<Ring>& rings) {
     std::vector<Vec2> places;
     for (const Shared& s : shared) places.push_back(s.from);
     const auto less = [](Vec2 p, Vec2 q) { return lexicographic_less(p, q); };
     std::sort(places.begin(), places.end(), less);
     std::vector<std::vector<std::uint8_t>> crowded(rings.size());
+    std::vector<double> farthest(rings.size(), 0);
     for (const Shared& s : shared) {
         const Ring& ring = rings[s.ring];
         crowded[s.ring].resize(ring.size(), 0);
@@ -268,16 +270,21 @@ void leave_out_crowded_beside(const std::vector<Shared>& shared, double near, st
                     std::binary_search(places.begin(), places.end(), ring.at[i], less))
                     break;
                 crowded[s.ring][i] = 1;
+                farthest[s.ring] = std::max(farthest[s.ring], length(ring.at[i] - s.from));
             }
         }
     }
     for (std::size_t r = 0; r < rings.size(); ++r) {
         const auto left = std::count(crowded[r].begin(), crowded[r].end(), 0);
-        if (crowded[r].empty() || left < 3) continue;
+        if (crowded[r].empty() || left < 3) {
+            farthest[r] = 0;
+            continue;
+        }
         std::size_t i = 0, j = 0;
         std::erase_if(rings[r].at, [&](Vec2) { return crowded[r][i++] != 0; });
         std::erase_if(rings[r].points, [&](const Vec3&) { return crowded[r][j++] != 0; });
     }
+    return farthest;
 }
 
 // Whether any of the points, in order of x, lies in the corner that is cut off, or on its new line.
@@ -339,7 +346,7 @@ bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distanc
     std::vector<Shared> shared = find_shared(rings);
     if (shared.empty()) return true;
     std::vector<Ring> roomy = rings;
-    leave_out_crowded_beside(shared, crowded_share * distance, roomy);
+    const std::vector<double> left_out = leave_out_crowded_beside(shared, crowded_share * distance, roomy);
     shared = find_shared(roomy);
     std::vector<Vec2> points;
     for (const Ring& ring : roomy) points.insert(points.end(), ring.at.begin(), ring.at.end());
@@ -361,7 +368,8 @@ bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distanc
                 Separation& separation = by_ring[s.ring];
                 separation.ring = s.ring;
                 ++separation.vertices;
-                separation.displacement_mm = std::max(separation.displacement_mm, by.displacement_mm);
+                separation.displacement_mm =
+                    std::max({separation.displacement_mm, by.displacement_mm, left_out[s.ring]});
                 replace(apart[s.ring], s.position, plane, by.line);
             }
             if (jumps || !keep_apart(RingEdges(apart), apart)) continue;

@@ -10,6 +10,7 @@
 
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/make_structure_field.h"
+#include "anatomesh/field/model/volume.h"
 #include "anatomesh/field/random_drawing_for_test.h"
 #include "anatomesh/field/stack/earlier_maps.h"
 #include "anatomesh/field/stack/parallel_field.h"
@@ -73,6 +74,17 @@ TEST(EarlierField, changes_no_value) {
             const Made kept = made(set, from_earlier, 1 + step % 2);
             ASSERT_NO_FATAL_FAILURE(expect_same(*kept.field, *fresh.field, structures, 200, random))
                 << member << ' ' << step;
+            if (step == 0 && member % 8 == 0) {
+                VolumeOptions coarse;
+                coarse.points_per_slab = 4000;
+                const auto volumes = [&](const StructureField& field) {
+                    RunContext context;
+                    return std::move(field_volumes(field, structures, coarse, context).value());
+                };
+                const auto kept_volumes = volumes(*kept.field), fresh_volumes = volumes(*fresh.field);
+                for (std::uint32_t s = 0; s < structures; ++s)
+                    EXPECT_EQ(kept_volumes[s].by_field, fresh_volumes[s].by_field);
+            }
             ASSERT_EQ(kept.warnings.size(), fresh.warnings.size());
             for (std::size_t w = 0; w < fresh.warnings.size(); ++w)
                 EXPECT_EQ(to_line(kept.warnings[w]), to_line(fresh.warnings[w]));
@@ -187,6 +199,62 @@ TEST(EarlierField, five_slices_say_all_about_the_middle_one) {
         }
     }
     EXPECT_GT(places, 50000);
+}
+
+// Slices that are copies of each other have gaps that are alike: each is taken from its own.
+TEST(EarlierField, copied_slices_are_taken_over_whole) {
+    std::mt19937 random(6);
+    for (const std::uint32_t structures : {1u, 2u}) {
+        DrawnSlices drawing = random_drawing(Lie::even, false, random);
+        while (drawing.planes.size() < 12) {
+            drawing.planes.push_back(axial(3.0 * static_cast<double>(drawing.planes.size())));
+            drawing.seeds.push_back(drawing.seeds.back());
+        }
+        for (auto& seeds : drawing.seeds) seeds.assign(structures, 77);
+        FieldOptions options;
+        options.earlier = made(set_of(drawing), {}).field;
+        drawing.seeds[10].back() = 99;
+        const auto field = made(set_of(drawing), options).field;
+        const TakenFromEarlier taken = taken_from_earlier(*field);
+        EXPECT_EQ(taken.maps, taken.maps_taken + 1);
+        EXPECT_LE(taken.gaps, taken.gaps_taken + 6);
+        const auto stretches = stretches_unlike(*field, *options.earlier);
+        ASSERT_TRUE(stretches);
+        ASSERT_EQ(stretches->size(), 1u);
+        EXPECT_GE((*stretches)[0].low, 3 * 7);
+    }
+}
+
+// Of structures that exclude each other, what ends beside a slice depends on which of them an outline belongs to, also
+// where the outlines stay.
+TEST(EarlierField, an_outline_may_change_its_structure) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> unit(0, 1);
+    int relabelled = 0, differs = 0;
+    for (int member = 0; member < 60; ++member) {
+        DrawnSlices drawing = random_drawing(Lie::even, true, random);
+        for (auto& seeds : drawing.seeds)
+            if (random() % 3 == 0) seeds[random() % 2] = 0;
+        drawing.seeds[0] = {1, 1};
+        const ContourSet before = set_of(drawing);
+        ContourSet after = before;
+        for (const Slice& slice : before.slices) {
+            if (slice.contour_count != 1 || random() % 2) continue;
+            Contour& contour = after.contours[slice.first_contour];
+            contour.structure = 1 - contour.structure;
+            ++relabelled;
+        }
+        FieldOptions options;
+        options.earlier = made(before, {}).field;
+        const Made kept = made(after, options), fresh = made(after, {});
+        ASSERT_NO_FATAL_FAILURE(expect_same(*kept.field, *fresh.field, 2, 1000, random)) << member;
+        for (int n = 0; n < 500; ++n) {
+            const Vec3 p{24 * unit(random) - 12, 24 * unit(random) - 12, 24 * unit(random)};
+            differs += kept.field->union_value(p) != options.earlier->union_value(p);
+        }
+    }
+    EXPECT_GT(relabelled, 50);
+    EXPECT_GT(differs, 100);
 }
 
 TEST(EarlierMaps, are_found_by_the_bits_of_their_edges) {

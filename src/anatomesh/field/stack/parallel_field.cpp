@@ -20,25 +20,25 @@
 
 namespace anatomesh {
 
-// The map of the union of a slice whose structures all have their maps from one slice of an earlier field; null if they
-// have not.
+// The map of the union of a slice whose structures all have their maps from one slice of an earlier field, each from
+// itself: what ends beside the slice depends on who draws what. Null if they have not.
 std::shared_ptr<const DistanceMap> ParallelField::earlier_union(
-    const std::vector<const EarlierMaps::Entry*>& entries) const {
+    const std::vector<SliceRegion>& regions, const std::vector<const EarlierMaps::Entry*>& entries) const {
     if (std::find(entries.begin(), entries.end(), nullptr) != entries.end()) return nullptr;
     // Equal outlines of several slices have one map, so that any of the structures may name the slice.
     for (const EarlierMaps::Entry* named_by : entries) {
         const ParallelField& field = *earlier_[named_by->field];
         const std::uint32_t slice = field.slice_of_map_[named_by->place];
-        std::vector<const DistanceMap*> drawn;
-        for (std::size_t s = 0; s + 1 < field.map_of_.size(); ++s) {
-            if (!field.map_of_[s].empty() && field.map_of_[s][slice] != empty_knot)
-                drawn.push_back(field.maps_[static_cast<std::size_t>(field.map_of_[s][slice])].get());
+        std::size_t n = 0;
+        bool is_same = true;
+        for (std::uint32_t s = 0; s + 1 < field.map_of_.size() && is_same; ++s) {
+            if (field.map_of_[s].empty() || field.map_of_[s][slice] == empty_knot) continue;
+            is_same = n < regions.size() && regions[n].structure == s &&
+                      entries[n]->map == field.maps_[static_cast<std::size_t>(field.map_of_[s][slice])].get();
+            ++n;
         }
         const std::vector<std::int32_t>& unions = field.map_of_.back();
-        if (!unions.empty() && unions[slice] != empty_knot &&
-            std::equal(
-                entries.begin(), entries.end(), drawn.begin(), drawn.end(),
-                [](const EarlierMaps::Entry* entry, const DistanceMap* map) { return entry->map == map; }))
+        if (is_same && n == regions.size() && !unions.empty() && unions[slice] != empty_knot)
             return field.maps_[static_cast<std::size_t>(unions[slice])];
     }
     return nullptr;
@@ -64,7 +64,7 @@ Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
                     slices[s].back().map = earlier_[entries.back()->field]->maps_[entries.back()->place];
             }
             if (partition_ && !regions.empty()) {
-                std::shared_ptr<const DistanceMap> same = earlier_union(entries);
+                std::shared_ptr<const DistanceMap> same = earlier_union(regions, entries);
                 std::vector<Edge2> boundary;
                 if (!same) boundary = union_boundary(regions);
                 if (same || !boundary.empty())
@@ -238,6 +238,22 @@ std::vector<ParallelField::GapEntry> ParallelField::earlier_gaps() const {
     return gaps;
 }
 
+namespace {
+
+// Whether the body says true of an earlier gap. Copied slices have many gaps between equal maps: those at the height of
+// this one come first, so that gaps beside each other are taken from gaps beside each other.
+template <class Entries, class Body>
+bool any_nearest_first(const StructureStack& stack, std::size_t gap, const Entries& entries, Body body) {
+    for (const bool at_its_height : {true, false}) {
+        for (const auto& entry : entries) {
+            if (stack.lies_at(gap, entry.gap) == at_its_height && body(entry)) return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
 Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
     struct Job {
         StructureStack* stack;
@@ -267,7 +283,7 @@ Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
             const Job& job = jobs[j];
-            if (std::any_of(job.earlier.begin(), job.earlier.end(), [&](const GapEntry& entry) {
+            if (any_nearest_first(*job.stack, job.gap, job.earlier, [&](const GapEntry& entry) {
                     return job.stack->take_terminations(job.gap, maps_, entry.gap);
                 }))
                 continue;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "anatomesh/field/model/field_queries.h"
+#include "anatomesh/field/slice/slice_regions.h"
 #include "anatomesh/field/stack/earlier_maps.h"
 #include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/field/stack/slice_knots.h"
@@ -100,7 +101,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
     }
     void look_at_earlier(const StructureField* earlier);
     std::shared_ptr<const DistanceMap> earlier_union(
-        const std::vector<const EarlierMaps::Entry*>& entries) const;
+        const std::vector<SliceRegion>& regions, const std::vector<const EarlierMaps::Entry*>& entries) const;
     std::vector<GapEntry> earlier_gaps() const;
     Status build_maps(const ContourSet& set, RunContext& context);
     Status find_motions(const ContourSet& set, RunContext& context);

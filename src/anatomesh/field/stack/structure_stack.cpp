@@ -167,6 +167,8 @@ void StructureStack::add_unlike(const Maps& maps, const StructureStack& other, c
                                       });
     std::size_t j = 0;
     for (std::size_t i = 0; i + 1 < knots_.size(); ++i) {
+        // Two empty knots may lie at one height.
+        if (i > 0 && knots_[i].low == knots_[i - 1].low) ++j;
         while (j + 1 < other.knots_.size() && other.knots_[j].low < knots_[i].low) ++j;
         const auto same_knot = [&](std::size_t step) {
             const Known &here = knots_[i + step], &there = other.knots_[j + step];

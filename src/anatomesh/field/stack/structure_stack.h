@@ -145,6 +145,10 @@ class StructureStack {
         const Maps* maps;
         std::size_t i;
     };
+    // Whether the earlier gap is at the same height.
+    bool lies_at(std::size_t i, const EarlierGap& earlier) const {
+        return knots_[i].high == earlier.stack->knots_[earlier.i].high;
+    }
     // Both take over what lies in the earlier gap, instead of finding it, where all that it is found from is the same:
     // maps, by their addresses, and distances. Return whether they did.
     bool take_terminations(std::size_t i, const Maps& maps, const EarlierGap& earlier);

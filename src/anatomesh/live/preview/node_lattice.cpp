@@ -13,6 +13,8 @@ namespace {
 
 // So many values are a job of their own. [values; >= 1; B]
 constexpr std::size_t values_in_a_job = 128;
+// Cells are counted from the origin in 32 bits. [cells; 1e6 to 2e9; D]
+constexpr double farthest_cell = 1e9;
 
 std::array<double, 3> as_array(Vec3 p) {
     return {p.x, p.y, p.z};
@@ -25,25 +27,34 @@ Cell cell_at(Vec3 p, double step) {
     return {whole(p.x), whole(p.y), whole(p.z)};
 }
 
-Result<NodeLattice> NodeLattice::over(const Box3& box, double step, std::uint64_t max_cells) {
+Status NodeLattice::check_size(const Box3& box, double step, std::uint64_t max_cells) {
     assert(step > 0 && !box.empty());
-    NodeLattice made;
-    made.step_ = step;
     const std::array<double, 3> low = as_array(box.low), high = as_array(box.high);
     double cells = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double first = std::floor(low[axis] / step) - 1, last = std::floor(high[axis] / step) + 1;
         cells *= last - first + 1;
-        if (!(cells <= static_cast<double>(max_cells)) || std::abs(first) > 1e9 || std::abs(last) > 1e9) {
-            return Error{ErrorKind::limit,
-                         "E-LIV-201",
-                         "a preview with a step of " + brief(step) +
-                             " mm would have more cells than the limit of " + std::to_string(max_cells),
-                         {},
-                         "take a larger step"};
-        }
-        made.low_[axis] = static_cast<std::int32_t>(first);
-        made.size_[axis] = static_cast<std::size_t>(last - first) + 1;
+        if (cells <= static_cast<double>(max_cells) && std::abs(first) <= farthest_cell &&
+            std::abs(last) <= farthest_cell)
+            continue;
+        return Error{ErrorKind::limit,
+                     "E-LIV-201",
+                     "a preview with a step of " + brief(step) +
+                         " mm would have more cells than the limit of " + std::to_string(max_cells),
+                     {},
+                     "take a larger step"};
+    }
+    return Nothing{};
+}
+
+Result<NodeLattice> NodeLattice::over(const Box3& box, double step, std::uint64_t max_cells) {
+    ANATOMESH_CHECK_STATUS(check_size(box, step, max_cells));
+    NodeLattice made;
+    made.step_ = step;
+    const Cell low = cell_at(box.low, step), high = cell_at(box.high, step);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        made.low_[axis] = low[axis] - 1;
+        made.size_[axis] = static_cast<std::size_t>(high[axis] - low[axis]) + 3;
     }
     const std::size_t nodes = (made.size_[0] + 1) * (made.size_[1] + 1) * (made.size_[2] + 1);
     made.visited_.assign(made.size_[0] * made.size_[1] * made.size_[2], 0);

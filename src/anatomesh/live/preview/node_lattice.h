@@ -29,6 +29,9 @@ class NodeLattice {
     // E-LIV-201 more cells than `max_cells`.
     static Result<NodeLattice> over(const Box3& box, double step, std::uint64_t max_cells);
 
+    // Error: limit E-LIV-201 a lattice over the box would have more cells, or cells more than 1e9 steps from the origin.
+    static Status check_size(const Box3& box, double step, std::uint64_t max_cells);
+
     // Returns whether the cell lies in the lattice and is visited for the first time.
     bool visit(Cell cell);
 

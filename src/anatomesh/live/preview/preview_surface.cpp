@@ -24,13 +24,14 @@ BrickPlace brick_of(Cell cell) {
     return brick;
 }
 
-// What a brick's surface depends on: its own cells, and those below it whose vertices its quadrilaterals have.
+// What a brick's surface depends on: its own cells, and those below it whose vertices its quadrilaterals have. One cell
+// more, because heights over oblique planes round.
 Box3 reach_of(BrickPlace brick, double step) {
     const auto at = [&](std::size_t axis, std::int32_t cells) {
         return step * static_cast<double>(brick[axis] * brick_cells + cells);
     };
-    return {{at(0, -1), at(1, -1), at(2, -1)},
-            {at(0, brick_cells + 1), at(1, brick_cells + 1), at(2, brick_cells + 1)}};
+    return {{at(0, -2), at(1, -2), at(2, -2)},
+            {at(0, brick_cells + 2), at(1, brick_cells + 2), at(2, brick_cells + 2)}};
 }
 
 bool is_touched(const Box3& box, std::span<const ChangedStretch> changed) {
@@ -218,6 +219,7 @@ Result<PreviewSurface::Patches> SurfaceFollower::run(const PreviewSurface::Patch
         for (const Vec3& p : set_.points_of(contour)) box.extend(p);
     }
     if (box.empty()) return patches;
+    ANATOMESH_CHECK_STATUS(NodeLattice::check_size(box.grown(2 * brick_cells * step_), step_, max_cells));
     open_ = OpenBricks(box.grown(step_), step_, earlier != nullptr ? &changed : nullptr);
     if (earlier != nullptr) {
         for (const auto& [brick, patch] : *earlier)

@@ -18,8 +18,9 @@
 namespace anatomesh {
 
 struct PreviewOptions {
-    double step_mm = 2;                     // of the lattice that the field is asked on. mm, [0.05, 100]
-    std::uint64_t max_cells = 100'000'000;  // of the lattice over one structure. cells, [1, 1e9]
+    double step_mm = 2;  // of the lattice that the field is asked on. mm, [0.05, 100]
+    std::uint64_t max_cells =
+        100'000'000;  // of the lattice over the field's box of a structure. cells, [1, 1e9]
 };
 
 // A brick of the lattice: brick_cells along each axis, from brick_cells x (i, j, k) on.
@@ -57,7 +58,8 @@ struct ChangedStretch {
 // with a node at the origin. The surface is followed from the contours' vertices on from cell to cell, so that the cost is that
 // of the surface, not of the volume. `earlier`, where it is given: the surface of a field that differs within `changed`
 // alone, of the same structures and step; bricks that do not reach there are taken over. Without it `changed` is not looked at.
-// Guarantees: the same bits with an earlier surface and without, wherever the surface hangs together with a contour in the
+// Guarantees: the same bits with an earlier surface and without (of structures that exclude each other, where the step is
+// below the field's clamp), wherever the surface hangs together with a contour in the
 // bricks that are made anew, and for any number of threads; patches of neighbouring bricks have common points at the same
 // coordinates, and each edge of the whole is in an even number of triangles. A part thinner than a step may have holes or be missing:
 // it is a preview, and no certificate stands for it. Requires: options within their ranges; the field of `set`.

@@ -161,7 +161,17 @@ TEST(PreviewSurface, larger_than_allowed_is_refused) {
     options.step_mm = 0.1;
     options.max_cells = 1'000'000;
     RunContext context;
-    const auto made = make_preview(set, *field, options, context);
+    auto made = make_preview(set, *field, options, context);
+    ASSERT_FALSE(made.ok());
+    EXPECT_EQ(made.error().code, "E-LIV-201");
+    // Two structures 20 m apart along each axis: refused before anything is listed.
+    SetBuilder far_apart;
+    for (const double z : {0.0, 3.0, 20000.0, 20003.0}) {
+        far_apart.slice(axial(z));
+        far_apart.ring(0, circle(z > 100 ? Vec2{20000, 20000} : Vec2{}, 10, 30));
+    }
+    options.step_mm = 0.05;
+    made = make_preview(far_apart.set, *field_of(far_apart.set), options, context);
     ASSERT_FALSE(made.ok());
     EXPECT_EQ(made.error().code, "E-LIV-201");
 }
