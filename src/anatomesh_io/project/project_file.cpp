@@ -17,17 +17,61 @@
 
 namespace anatomesh {
 
+namespace {
+
+Error exists_already(const std::string& path) {
+    return {ErrorKind::file,
+            "E-PRJ-010",
+            "there is a file of this name already",
+            {path, "", "", "", ""},
+            "choose another name, or open it"};
+}
+
+// Gives a draft its name, unless another file has it: of two processes that create one project the second fails. Returns
+// 0 or an error number.
+int publish(const std::string& draft, const std::string& path) {
+    if (uninterrupted([&] { return ::link(draft.c_str(), path.c_str()); }) == 0) {
+        ::unlink(draft.c_str());
+        return 0;
+    }
+    const int why = errno;
+    // Some file systems have no links; there the name was free a moment ago.
+    const bool has_no_links = why == EPERM || why == ENOTSUP || why == ENOSYS;
+    if (has_no_links && uninterrupted([&] { return ::rename(draft.c_str(), path.c_str()); }) == 0) return 0;
+    ::unlink(draft.c_str());
+    return why;
+}
+
+}  // namespace
+
 Result<ProjectFile> ProjectFile::create(const std::string& path, const DrawingSource& source,
                                         SystemCalls& calls) {
     struct stat state {};
-    if (uninterrupted([&] { return ::lstat(path.c_str(), &state); }) == 0)
-        return Error{ErrorKind::file,
-                     "E-PRJ-010",
-                     "there is a file of this name already",
-                     {path, "", "", "", ""},
-                     "choose another name, or open it"};
-    ANATOMESH_CHECK_STATUS(write_file_atomically(path, record_line(head_record(source)), calls));
+    if (uninterrupted([&] { return ::lstat(path.c_str(), &state); }) == 0) return exists_already(path);
     RunContext context;
+    const std::string line = record_line(head_record(source));
+    // A head that no reader takes leaves no file behind.
+    ANATOMESH_CHECK_STATUS(replay_project(line, path, {{}, false}, context));
+    const std::string draft = path + ".new-" + std::to_string(::getpid());
+    if (Status written = write_file_atomically(draft, line, calls); !written.ok()) {
+        Error error = written.error();
+        error.place.file = path;
+        return error;
+    }
+    const int why = publish(draft, path);
+    if (why == EEXIST) return exists_already(path);
+    if (why != 0)
+        return Error{ErrorKind::file,
+                     "E-PRJ-006",
+                     "the project cannot be given its name: " + reason_of(why),
+                     {path, "", "", "", ""},
+                     advice_of(why)};
+    if (const int unsynced = sync_folder(folder_of(path), calls); unsynced != 0)
+        return Error{ErrorKind::file,
+                     "E-PRJ-006",
+                     "the folder of the project cannot be synced: " + reason_of(unsynced),
+                     {path, "", "", "", ""},
+                     advice_of(unsynced)};
     return open(path, {}, context, calls);
 }
 
@@ -38,6 +82,8 @@ Result<ProjectFile> ProjectFile::open(const std::string& path, const ProjectLimi
     ANATOMESH_TRY(const InputFile content, read_input_file(path, limits.file));
     const std::string_view text = as_text(content.bytes());
     ANATOMESH_TRY(file.project_, replay_project(text, path, {limits, false}, context));
+    // What was read by its name has to be what is locked.
+    if (!file.is_at_its_path()) return file.replaced_error();
     int why = 0;
     if (file.project_.is_cut)
         why = uninterrupted([&] {
@@ -112,16 +158,32 @@ Result<bool> ProjectFile::redo() {
         [&] { return append(move_record(records(), "redo", history().undone().back().name)); });
 }
 
+bool ProjectFile::is_at_its_path() const {
+    struct stat held {
+    }, named{};
+    return uninterrupted([&] { return ::fstat(descriptor_, &held); }) == 0 &&
+           uninterrupted([&] { return ::stat(path_.c_str(), &named); }) == 0 && held.st_dev == named.st_dev &&
+           held.st_ino == named.st_ino;
+}
+
+Error ProjectFile::replaced_error() const {
+    return {ErrorKind::file,
+            "E-PRJ-009",
+            "another program removed or replaced the file of the project",
+            {path_, "", "", "", ""},
+            "close that program, and open the project again; the last step is not kept"};
+}
+
 // A lock is advisory: a program that knows nothing of it may have removed, replaced or lengthened the file.
 Status ProjectFile::check_untouched() const {
     struct stat state {};
     if (uninterrupted([&] { return ::fstat(descriptor_, &state); }) != 0)
         return write_error("E-PRJ-007", "the step cannot be written", errno);
-    if (state.st_nlink > 0 && static_cast<std::uint64_t>(state.st_size) == bytes()) return Nothing{};
+    if (state.st_nlink == 0 || !is_at_its_path()) return replaced_error();
+    if (static_cast<std::uint64_t>(state.st_size) == bytes()) return Nothing{};
     return Error{ErrorKind::file,
                  "E-PRJ-009",
-                 state.st_nlink == 0 ? "another program removed or replaced the file of the project"
-                                     : "another program changed the file of the project",
+                 "another program changed the file of the project",
                  {path_, "", "", "", ""},
                  "close that program, and open the project again; the last step is not kept"};
 }
@@ -155,7 +217,11 @@ Status ProjectFile::append(std::string_view record) {
     }
     const int cut = uninterrupted([&] { return calls_->truncate(descriptor_, static_cast<off_t>(bytes())); });
     has_failed_ |= cut != 0 || sync_checked(descriptor_, *calls_) != 0;
-    return write_error("E-PRJ-007", "the step could not be written, and is not kept", why);
+    return write_error("E-PRJ-007",
+                       has_failed_
+                           ? "the step could not be written, and whether the file holds it is not known"
+                           : "the step could not be written, and is not kept",
+                       why);
 }
 
 Error ProjectFile::write_error(const char* code, const std::string& what, int why) const {

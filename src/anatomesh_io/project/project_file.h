@@ -57,6 +57,8 @@ class ProjectFile {
   private:
     ProjectFile(std::string path, SystemCalls& calls) : path_(std::move(path)), calls_(&calls) {}
     Status open_and_lock();
+    bool is_at_its_path() const;
+    Error replaced_error() const;
     Status check_untouched() const;
     Status append(std::string_view record);
     Error write_error(const char* code, const std::string& what, int why) const;

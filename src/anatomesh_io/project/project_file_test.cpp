@@ -322,6 +322,56 @@ TEST(ProjectFile, a_file_that_others_change_or_remove_is_told_before_anything_is
     }
 }
 
+// Another file under the name, of equal size, or the same file under another name.
+TEST(ProjectFile, a_file_that_is_no_longer_at_its_name_gets_no_step) {
+    const Folder folder;
+    for (const bool has_link : {false, true}) {
+        const std::string path = folder.file(has_link ? "linked" : "copied"), old = path + ".old";
+        ProjectFile project = with_a_ring(path);
+        if (has_link) {
+            std::filesystem::create_hard_link(path, old);
+            std::filesystem::remove(path);
+        } else {
+            std::filesystem::rename(path, old);
+            std::filesystem::copy_file(old, path);
+        }
+        const Status status = project.apply(set_rings(project.drawing(), {7, 1}, {}, "Delete"));
+        ASSERT_FALSE(status.ok());
+        EXPECT_EQ(status.error().code, "E-PRJ-009");
+    }
+}
+
+TEST(ProjectFile, of_many_that_create_one_name_at_once_one_does) {
+    const Folder folder;
+    for (int round = 0; round < 10; ++round) {
+        const std::string path = folder.file("p" + std::to_string(round));
+        std::vector<pid_t> children;
+        for (int n = 0; n < 8; ++n) {
+            children.push_back(::fork());
+            if (children.back() != 0) continue;
+            const auto made = ProjectFile::create(path, some_source);
+            ::_exit(made.ok() ? 0 : made.error().code == "E-PRJ-010" ? 10 : 20);
+        }
+        int created = 0;
+        for (const pid_t child : children) {
+            int status = 0;
+            ::waitpid(child, &status, 0);
+            created += WEXITSTATUS(status) == 0;
+            EXPECT_TRUE(WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == 10) << WEXITSTATUS(status);
+        }
+        EXPECT_EQ(created, 1);
+        EXPECT_EQ(folder.entries(), static_cast<std::size_t>(round) + 1) << "drafts are left";
+    }
+}
+
+TEST(ProjectFile, a_head_that_no_reader_takes_leaves_no_file) {
+    const Folder folder;
+    DrawingSource source = some_source;
+    source.pixel_mm = -1;
+    EXPECT_FALSE(ProjectFile::create(folder.file("p"), source).ok());
+    EXPECT_FALSE(std::filesystem::exists(folder.file("p")));
+}
+
 TEST(ProjectFile, after_a_sync_that_failed_nothing_is_acknowledged_any_more) {
     class NoSync : public SystemCalls {
       public:

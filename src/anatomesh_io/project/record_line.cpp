@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 
@@ -31,8 +32,11 @@ bool skip(std::string_view& text, std::string_view part) {
     return true;
 }
 
-// The record of a whole line at the start of `text`, which is moved behind it. Nothing where there is none.
-std::optional<std::string_view> take_record(std::string_view& text) {
+// A record with its right checksum at the start of `text`, and what comes behind it: the end of its line, if it is whole.
+struct FramedRecord {
+    std::string_view record, behind;
+};
+std::optional<FramedRecord> framed_record(std::string_view text) {
     std::string_view rest = text;
     if (!skip(rest, before_sum) || rest.size() < sum_digits) return std::nullopt;
     const std::string_view sum = rest.substr(0, sum_digits);
@@ -44,15 +48,29 @@ std::optional<std::string_view> take_record(std::string_view& text) {
     rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
     if (!skip(rest, before_record) || rest.size() < size) return std::nullopt;
     const std::string_view record = rest.substr(0, size);
-    rest.remove_prefix(size);
-    if (!skip(rest, line_end) || sum_of(record) != sum) return std::nullopt;
-    text = rest;
-    return record;
+    if (sum_of(record) != sum) return std::nullopt;
+    return FramedRecord{record, rest.substr(static_cast<std::size_t>(size))};
+}
+
+// The record of a whole line at the start of `text`, which is moved behind it. Nothing where there is none.
+std::optional<std::string_view> take_record(std::string_view& text) {
+    std::optional<FramedRecord> framed = framed_record(text);
+    if (!framed || !skip(framed->behind, line_end)) return std::nullopt;
+    text = framed->behind;
+    return framed->record;
 }
 
 // A record holds no line feed and no zero, and the next is begun only when this one is on the disk. So what is left of an
 // unfinished line has no line feed, or the last one and zeros where data was lost.
 bool is_torn(std::string_view rest) {
+    // A whole record was perhaps acknowledged: an end that is neither a part of its own nor lost is damage.
+    if (const auto framed = framed_record(rest)) {
+        std::size_t n = 0;
+        return std::all_of(framed->behind.begin(), framed->behind.end(), [&](char byte) {
+            const std::size_t at = n++;
+            return byte == '\0' || (at < line_end.size() && byte == line_end[at]);
+        });
+    }
     const std::size_t feed = rest.find('\n');
     return feed == std::string_view::npos ||
            (feed + 1 == rest.size() && rest.find('\0') != std::string_view::npos);

@@ -32,6 +32,16 @@ TEST(RecordLine, lines_come_back_and_stop_at_the_first_that_is_none) {
     EXPECT_EQ(scan_records("{\"crc32\":\"00000000\",\"bytes\":0000000,\"record\":}\n").end, End::damaged);
 }
 
+// Its record may have been acknowledged, so that it is not cut off in silence.
+TEST(RecordLine, a_whole_record_with_another_end_is_damaged) {
+    const std::string line = record_line("{\"n\":1}");
+    for (const std::string end : {"}x", "]\n", "}\v", "}}\n", "x"}) {
+        const std::string text = line + line.substr(0, line.size() - 2) + end;
+        EXPECT_EQ(scan_records(text).end, End::damaged) << end;
+        EXPECT_EQ(scan_records(text).records.size(), 1u);
+    }
+}
+
 TEST(RecordLine, whatever_a_power_failure_leaves_of_the_last_line_is_torn) {
     const std::string first = record_line("{\"n\":0}"),
                       last = record_line("{\"n\":1,\"name\":\"a longer one\"}");
