@@ -1,5 +1,5 @@
 // How long an edit takes until its surface is there: field and preview after an edit of one contour, with what the edit
-// does not touch taken over from before, and made anew. Prints a row of a Markdown table.
+// does not touch taken over from before, and made anew; and the section of a structure on an oblique plane, 256 steps wide. Prints a row of a Markdown table.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -20,6 +20,7 @@
 #include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/input_options.h"
 #include "anatomesh/live/preview/preview_surface.h"
+#include "anatomesh/live/section/section_of_field.h"
 #include "anatomesh/read_input.h"
 
 namespace anatomesh {
@@ -28,6 +29,8 @@ namespace {
 
 // An edit moves a stretch of a contour, of this share of its vertices, by this share of its size at most.
 constexpr double edited_share = 0.25, moved_share = 0.03;
+// So many steps of a section's lattice are as wide as the structure.
+constexpr double section_lattice = 256;
 
 double milliseconds(std::chrono::steady_clock::time_point from) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - from).count();
@@ -58,7 +61,7 @@ void edit(ContourSet& set, std::mt19937& random) {
 }
 
 struct Times {
-    std::vector<double> field, surface, both, anew;
+    std::vector<double> field, surface, both, anew, section;
 };
 
 Status run(const InputOptions& options, int edits, double step, int threads) {
@@ -93,15 +96,25 @@ Status run(const InputOptions& options, int edits, double step, int threads) {
         times.both.push_back(milliseconds(start));
         with_earlier.earlier = field;
         if (n % 20 > 0) continue;
+        times.section.push_back(0);
+        for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
+            const Box3 box = field->box_of(s);
+            const Plane plane = make_plane(0.5 * (box.low + box.high), {1, 2, 3});
+            SectionOptions section;
+            section.step_mm = (box.high.x - box.low.x) / section_lattice;
+            const auto begin = std::chrono::steady_clock::now();
+            ANATOMESH_TRY(const StructureRings rings, section_of_field(*field, s, plane, section, context));
+            times.section.back() += milliseconds(begin) / static_cast<double>(set.structures.size());
+        }
         const auto fresh = std::chrono::steady_clock::now();
         ANATOMESH_TRY(const auto anew, make_structure_field(set, {}, context));
         ANATOMESH_TRY(const PreviewSurface whole, make_preview(set, *anew, preview, context));
         times.anew.push_back(milliseconds(fresh));
     }
-    fmt::print("| {} | {} | {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.0f} |\n",
+    fmt::print("| {} | {} | {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.0f} | {:.1f} |\n",
                std::filesystem::path(options.input).filename().string(), set.slices.size(), set.points.size(),
                threads, quantile(times.field, 0.5), quantile(times.surface, 0.5), quantile(times.both, 0.5),
-               quantile(times.both, 0.95), quantile(times.anew, 0.5));
+               quantile(times.both, 0.95), quantile(times.anew, 0.5), quantile(times.section, 0.5));
     return Nothing{};
 }
 
@@ -127,7 +140,7 @@ int main(int argc, char** argv) {
         fmt::print(
             "| input | slices | points | threads | field, ms | surface, ms | both, ms | both p95, ms | both "
             "made "
-            "anew, ms |\n|---|---|---|---|---|---|---|---|---|\n");
+            "anew, ms | section, ms |\n|---|---|---|---|---|---|---|---|---|---|\n");
     }
     const Status done = run(options, edits, step, threads);
     if (!done.ok()) fmt::print(stderr, "{}\n", to_line(done.error()));

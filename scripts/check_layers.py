@@ -27,6 +27,7 @@ pipeline/model pipeline/retry pipeline/run pipeline
 uncertainty
 live/preview
 live/draw/area live/draw
+live/section
 live/livewire
 live/edit
 """.split()

@@ -11,7 +11,6 @@
 
 #include "anatomesh/contour/model/choose_structures.h"
 #include "anatomesh/contour/model/chosen_slices.h"
-#include "anatomesh/contour/overlay/boundary_loops.h"
 #include "anatomesh/contour/simplify/simplify.h"
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/planes/plane_trace.h"
@@ -122,32 +121,6 @@ double lattice_step(const ContourSet& set) {
     return std::min(lattice_share * edge, contour_share * edge * points / contours);
 }
 
-// Returns the loops that bound the region; each begins at its lexicographically smallest vertex.
-std::vector<std::vector<Vec3>> loops_of(const std::vector<Edge2>& edges, const Plane& plane) {
-    std::map<std::pair<double, double>, std::uint32_t> index;
-    std::vector<Vec2> at;
-    const auto number = [&](Vec2 p) {
-        const auto [entry, is_new] = index.try_emplace({p.x, p.y}, static_cast<std::uint32_t>(at.size()));
-        if (is_new) at.push_back(p);
-        return entry->second;
-    };
-    std::vector<BoundaryEdge> graph;
-    for (const Edge2& edge : edges) {
-        const std::uint32_t from = number(edge.a), to = number(edge.b);
-        if (from != to) graph.push_back({from, to});
-    }
-    std::vector<std::vector<Vec3>> loops;
-    for (const std::vector<std::uint32_t>& loop : boundary_loops(at, graph)) {
-        std::vector<Vec3>& points = loops.emplace_back();
-        for (const std::uint32_t e : loop) points.push_back(plane.to_space(at[graph[e].from]));
-        const auto first = std::min_element(points.begin(), points.end(), [](const Vec3& a, const Vec3& b) {
-            return lexicographic_less(a, b);
-        });
-        std::rotate(points.begin(), first, points.end());
-    }
-    return loops;
-}
-
 double area_of(const std::vector<Vec3>& loop, const Plane& plane) {
     std::vector<Vec2> ring;
     for (const Vec3& p : loop) ring.push_back(plane.to_plane(p));
@@ -224,7 +197,7 @@ class Outlines {
                                        corner & 4 ? whole.high.z : whole.low.z}));
         const auto value = [&](Vec2 q) { return field.value_within(0, plane.to_space(q), 0); };
         std::vector<std::vector<Vec3>> loops =
-            loops_of(trace_in_plane(value, box.grown(2 * step), step, context_.threads), plane);
+            loops_in_plane(trace_in_plane(value, box.grown(2 * step), step, context_.threads), plane);
         std::erase_if(loops, [&](const std::vector<Vec3>& loop) {
             return loop.size() < 3 || area_of(loop, plane) < step * step;
         });

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/contour/overlay/boundary_loops.h"
 
 namespace anatomesh {
 
@@ -88,6 +90,31 @@ class Lattice {
 std::vector<Edge2> trace_in_plane(const std::function<double(Vec2)>& value, const Box2& box, double step,
                                   int threads) {
     return Lattice(value, box, step, threads).boundary();
+}
+
+std::vector<std::vector<Vec3>> loops_in_plane(const std::vector<Edge2>& edges, const Plane& plane) {
+    std::map<std::pair<double, double>, std::uint32_t> index;
+    std::vector<Vec2> at;
+    const auto number = [&](Vec2 p) {
+        const auto [entry, is_new] = index.try_emplace({p.x, p.y}, static_cast<std::uint32_t>(at.size()));
+        if (is_new) at.push_back(p);
+        return entry->second;
+    };
+    std::vector<BoundaryEdge> graph;
+    for (const Edge2& edge : edges) {
+        const std::uint32_t from = number(edge.a), to = number(edge.b);
+        if (from != to) graph.push_back({from, to});
+    }
+    std::vector<std::vector<Vec3>> loops;
+    for (const std::vector<std::uint32_t>& loop : boundary_loops(at, graph)) {
+        std::vector<Vec3>& points = loops.emplace_back();
+        for (const std::uint32_t e : loop) points.push_back(plane.to_space(at[graph[e].from]));
+        const auto first = std::min_element(points.begin(), points.end(), [](const Vec3& a, const Vec3& b) {
+            return lexicographic_less(a, b);
+        });
+        std::rotate(points.begin(), first, points.end());
+    }
+    return loops;
 }
 
 }  // namespace anatomesh

@@ -6,6 +6,7 @@
 
 #include "anatomesh/field/slice/scanline.h"
 #include "anatomesh/geom/box.h"
+#include "anatomesh/geom/plane.h"
 
 namespace anatomesh {
 
@@ -16,5 +17,9 @@ namespace anatomesh {
 // lattice point, and some for each point of the boundary.
 std::vector<Edge2> trace_in_plane(const std::function<double(Vec2)>& value, const Box2& box, double step,
                                   int threads);
+
+// The loops of such a boundary as points of the plane, the region on their left; each begins at its lexicographically
+// smallest vertex. Edges without length are passed over. O(n log n).
+std::vector<std::vector<Vec3>> loops_in_plane(const std::vector<Edge2>& edges, const Plane& plane);
 
 }  // namespace anatomesh
